@@ -1,7 +1,8 @@
 /// \file adaptor.h
-/// What surfaces made from other surfaces share: placed.h, reparametrised.h, offset.h, from_position.h. Each
-/// is a surface type itself, so adaptors compose, and every law of testing.h holds for them. They keep the
-/// base's normal (placed: by the inverse transpose); a flip, swap or mirror negates the handedness instead.
+/// What all adaptors share, the surfaces that are made from other surfaces: placed.h, reparametrised.h,
+/// offset.h, from_position.h. An adaptor is itself a surface type, so adaptors compose, and every law of
+/// testing.h holds for them. They keep the base's normal (Placed transforms it by the inverse transpose). A
+/// flip, swap or mirror negates the handedness, never the normal.
 #pragma once
 
 #include <algorithm>
@@ -47,8 +48,8 @@ struct AdaptedName {
   static constexpr std::string_view value{characters.data(), characters.size()};
 };
 
-// What an adaptor says of itself that moves the points and keeps the coordinates.
-// \param added roundings by which its frame errs more than the base's
+// The info of an adaptor that moves the points and keeps the coordinates.
+// \param added how many roundings its frame errs by beyond the base's
 template <Literal prefix, class X>
 constexpr SurfaceInfo moved_info(double added) {
   SurfaceInfo info = X::info;

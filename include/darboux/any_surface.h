@@ -80,6 +80,8 @@ class AnySurface {
     return held_->jet(u, v, values);
   }
   Frame<double> frame(double u, double v) const { return held_->frame(u, v); }
+  /// That of the frame there.
+  Status status(double u, double v) const { return frame(u, v).status; }
   ParametricFrame<double> parametric_frame(double u, double v) const { return held_->parametric_frame(u, v); }
   Sample<double> sample(double u, double v) const { return make_sample(u, v, jet(u, v), frame(u, v)); }
   /// Everything in single precision, parameters too.
@@ -99,9 +101,9 @@ class AnySurface {
   }
   bool has_closed_frame() const { return held_->has_closed_frame(); }
 
-  /// Where along u (along = 0) or v (1) the surface is only piecewise smooth, strictly between 0 and 1, and 0
-  /// where it is not smooth across both 0 and 1, the seam or the poles: what the type's breaks(along) says,
-  /// none where it has no such member.
+  /// The values of u (along = 0) or v (along = 1) at which the surface is only piecewise smooth: those
+  /// strictly between 0 and 1; and 0 if it is not smooth across the ends 0 and 1 (the seam or the poles).
+  /// They come from the type's breaks(along); none if it has no such member.
   std::vector<double> breaks(int along) const { return held_->breaks(along); }
 
   /// The independent facts the type states, of: implicit, gaussian_curvature, mean_curvature,
@@ -137,9 +139,9 @@ class AnySurface {
     return model ? &model->surface : nullptr;
   }
 
-  /// "torus:major_radius=1,minor_radius=0.4": the name with all parameters, so that make_surface gives the
-  /// same bits. "formula:file=my.surface,a=3" for one from a file. \param digits significant digits for
-  /// reading by people; 0: as many as it takes
+  /// "torus:major_radius=1,minor_radius=0.4": the name with all parameters; make_surface() of this text gives
+  /// the same bits. For a surface from a file: "formula:file=my.surface,a=3". \param digits significant
+  /// digits, for people to read; 0: as many as the same bits take
   std::string specification(int digits = 0) const;
 
  private:

@@ -14,9 +14,9 @@
 
 namespace darboux {
 
-/// What was looked for in vain, kept from mesh to mesh of a file: copies of such parts, wherever they lie,
-/// are not searched again, and after a dozen parts the others are looked at briefly, as PARTS_IN_BRIEF says.
-/// assess() and assess_parts() add to it: one thread at a time.
+/// The parts in which no surface was found, kept for all meshes of a file. A copy of such a part, wherever it
+/// lies, is not searched again. After a dozen parts the search in the others is brief; PARTS_IN_BRIEF reports
+/// this. assess() and assess_parts() add to the history: use it in one thread at a time.
 struct SearchHistory {
   std::vector<std::array<std::size_t, 7>> failed{};  ///< outlines of parts in which no surface was found
 };
@@ -30,10 +30,10 @@ struct AssessOptions : ValidateOptions {
   /// no limit.
   std::optional<double> budget;
   /// KHR_texture_transform of the texture that reads the tangents, as Primitive has it. Tangents of the plain
-  /// and of the transformed uvs are both accepted: TANGENT_TEXTURE_TRANSFORM says so.
+  /// uvs and of the transformed uvs are both accepted. TANGENT_TEXTURE_TRANSFORM reports the latter.
   std::optional<std::array<double, 6>> texture_transform{};
-  /// Whether the mesh's uv set is the one that its tangents belong to. Where it is not, tangents of another
-  /// are accepted, and TANGENT_UV_SET_USED names it.
+  /// Whether it is known that the tangents belong to the mesh's uv set. If not, tangents of another set are
+  /// accepted, and TANGENT_UV_SET_USED names that set.
   bool names_uv_set = true;
 
   SearchHistory* history = nullptr;  ///< shared by the meshes of a file; null: of this mesh alone
@@ -41,12 +41,12 @@ struct AssessOptions : ValidateOptions {
   bool declares_surface() const { return surface || exact_surface; }
 };
 
-/// Why a surface was recognised, or not: how far the data over-determine it against what else they may be.
+/// Why a surface was recognised, or not: how much better it explains the data than its rivals do.
 struct Evidence {
   double log10_odds =
       0;              ///< of the surface against its rivals; recognised where it is at least evidence_needed
-  std::string rival;  ///< the best other explanation: "polyhedron", "faceted", "authored normals", "chance",
-                      ///< a kind of surface
+  std::string rival;  ///< the best other explanation: "polygon", "polyhedron", "faceted",
+                      ///< "authored normals", "chance" or a kind of surface
   std::string text;   ///< one sentence for people: what speaks for it, what against
 };
 /// log10 odds from which a surface is claimed: about one wrong claim in 10^4 meshes.
@@ -71,13 +71,14 @@ struct Assessment {
 /// mesh
 Assessment assess(const Mesh& mesh, const AssessOptions& options = {});
 
-/// The same, but where the whole mesh is no surface of the catalogue, each of its parts is looked at:
-/// triangles joined over edges whose vertices agree in position, normal and uv, those whose uvs wind
-/// differently apart; and where such a part is none, those that edges cut off it where faces meet at more
-/// than 50 degrees. Those that are recognised, or fit the declared surface, have an assessment each, in the
-/// order of the mesh; all the rest shares one, the last. Where none is, there is one assessment of the whole;
-/// of more than 256 parts the largest 256 are looked at, the others belong to the rest. Vertices are numbered
-/// as in the mesh. All parts share the budget. \throws as assess() does
+/// The same, but if the whole mesh is no surface of the catalogue, each of its parts is assessed. A part is a
+/// set of triangles joined over edges whose vertices agree in position, normal and uv; triangles whose uvs
+/// wind differently are in different parts. A part that is no surface is cut further, along edges where faces
+/// meet at more than 50 degrees. Each part that is recognised, or fits the declared surface, has an
+/// assessment of its own, in the order of the mesh. All other parts share one assessment, the last. If no
+/// part is recognised, there is one assessment of the whole mesh. Of more than 256 parts only the largest 256
+/// are searched; the others count among the rest. Vertices are numbered as in the mesh. All parts share the
+/// budget. \throws as assess() does
 std::vector<Assessment> assess_parts(const Mesh& mesh, const AssessOptions& options = {});
 
 }  // namespace darboux

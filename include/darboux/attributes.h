@@ -1,5 +1,5 @@
 /// \file attributes.h
-/// What can be asked of a point, and how many numbers each is.
+/// The attributes of a point, and how many components each has.
 #pragma once
 
 #include <array>

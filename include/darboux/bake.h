@@ -32,7 +32,8 @@ struct BakeOptions {
   std::function<void(double)> progress{};  ///< called with the share that is done, from any thread
 };
 
-/// What is left of the error at points inside triangles, in degrees, of those whose corners' class is lowest.
+/// The error that is left at points inside triangles, in degrees. A triangle counts in the lowest class of
+/// its corners.
 struct BakeError {
   std::size_t samples = 0;
   Statistics without_map_deg;  ///< the angle between the interpolated normal and the surface's
@@ -43,27 +44,27 @@ struct BakeResult {
   NormalMapResult map;
   std::array<BakeError, vertex_class_names.size()> errors;  ///< by VertexClass
   BakeError all;
-  /// At texels: asin(c √3 / most), c the largest condition of a frame, most the largest code; with dither,
-  /// which is off by up to a whole code, asin(2 c √3 / most). No decoded texel is farther from the
-  /// surface's normal: docs/theory/normal-maps.md. 90 where the argument is beyond 1; of f32 some roundings
-  /// of single precision.
+  /// No decoded texel is farther than this from the surface's normal (docs/theory/normal-maps.md): asin(c
+  /// √3 / most), c the largest condition of a frame, most the largest code. With dither, which is off by up
+  /// to a whole code: asin(2 c √3 / most). 90 if the argument exceeds 1. For f32 a few roundings of single
+  /// precision.
   double bound_deg = 0;
 };
 
-/// The map of a mesh of a surface, wherever it lies and whatever its texture coordinates mean: what
-/// fit_surface() says. The normals are those of the surface at each texel's (u, v), rounded to single
-/// precision, by convert_normal_map().
+/// Bakes the map of a mesh of a surface. `surface` tells where the mesh lies and what its texture coordinates
+/// mean, as fit_surface() finds it. The normals are those of the surface at each texel's (u, v), rounded to
+/// single precision and converted by convert_normal_map().
 ///
-/// The error is looked for at random points of every triangle, as a renderer shades them: the map is read at
-/// the point's uv between four texels, decoded in the frame inside the triangle, and compared with the
-/// surface's normal at that (u, v).
+/// The error is measured at random points of every triangle, as a renderer shades them: the map is
+/// interpolated between four texels at the point's uv, decoded in the frame inside the triangle, and compared
+/// with the surface's normal at that (u, v).
 /// \throws what convert_normal_map() throws; ParameterError for an option out of its range; MeshError for uvs
 /// outside of [0, 1] where the surface has another normal than at the texel that they repeat
 BakeResult bake_normal_map(const PlacedSurface& surface, std::span<const MapPiece> pieces,
                            const BakeOptions& options = {});
 
-/// The same of a mesh that lies where the surface does, whose texture coordinates are its (u, v): one of
-/// sample_mesh(), or with its uvs.
+/// The same for a mesh in the surface's own space whose texture coordinates are the surface's (u, v), such as
+/// a mesh of sample_mesh().
 BakeResult bake_normal_map(const AnySurface& surface, std::span<const MapPiece> pieces,
                            const BakeOptions& options = {});
 

@@ -16,8 +16,8 @@
 #include <cstdint>
 #include <type_traits>
 
-// What lets the compiler reorder sums, or take NaN for impossible, makes wrong frames with a regular status.
-// Of these macros clang defines __ASSOCIATIVE_MATH__ never: see opaque().
+// Options that let the compiler reorder sums, or assume that NaN does not occur, make wrong frames with a
+// regular status. Clang never defines __ASSOCIATIVE_MATH__: see opaque().
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "darboux: expected no -ffast-math nor part of it, which breaks exact range reduction"
@@ -25,8 +25,8 @@
 
 namespace darboux {
 
-/// condition ? a : b. A formula says so where lanes of a SIMD batch may differ in the condition: both a and b
-/// are then evaluated, and each lane takes its own.
+/// condition ? a : b. For formulas in which the lanes of a SIMD batch may differ in the condition: both a and
+/// b are evaluated, and each lane takes its own.
 template <class S>
 constexpr S select(bool condition, const S& a, const S& b) {
   return condition ? a : b;
@@ -34,8 +34,8 @@ constexpr S select(bool condition, const S& a, const S& b) {
 
 namespace detail {
 
-// A number type that is many numbers at once, as the batch kernels use: its Element is float or double, and
-// diverge() leaves a batch whose lanes need different treatment to the functions for single points.
+// A number type that holds many numbers, as the batch kernels use. Its Element is float or double. diverge()
+// hands a batch whose lanes need different treatment over to the functions for single points.
 template <class S>
 concept Lanewise = requires {
   typename S::Element;
@@ -73,8 +73,8 @@ constexpr S from_bits(const Bits& bits) {
     return std::bit_cast<S>(bits);
 }
 
-// x, of which the compiler does not know what it was made of: so that (x + magic) - magic stays what it is
-// where clang is told to reorder sums, which it says in no macro. Nothing elsewhere.
+// x, with its origin hidden from the compiler. So (x + magic) - magic stays as written if clang is told to
+// reorder sums, which no macro reveals. No effect with other compilers.
 template <class S>
 constexpr S opaque(S x) {
 #if defined(__clang__) && (defined(__x86_64__) || defined(__aarch64__))

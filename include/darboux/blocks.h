@@ -1,5 +1,5 @@
 /// \file blocks.h
-/// Evaluates a surface at many points for somebody who uses the results at once: block by block, through a
+/// Evaluates a surface at many points for a caller that uses the results at once: block by block, through a
 /// buffer that stays in the cache, so that nothing is written to memory.
 ///   const Attributes asked = Attribute::position | Attribute::normal;
 ///   for_each_block(surface, points, asked, [&](const Block<float>& block) {
@@ -47,7 +47,7 @@ class Block {
 };
 
 /// Calls f(const Block<T>&) for consecutive blocks of up to 1024 points, in order and in the calling thread
-/// (options.threads is not looked at). One allocation per call. About 7 ns per point for position, dpdu,
+/// (options.threads is ignored). One allocation per call. About 7 ns per point for position, dpdu,
 /// dpdv, t, b, n of a torus in double, the consumer's reading included. \param surface a surface type, or
 /// AnySurface \throws ParameterError as evaluate(); exceptions of f are passed on
 template <class X, std::floating_point T, class F>

@@ -1,5 +1,5 @@
 /// \file check_normal_map.h
-/// What a tangent-space normal map tells about itself, and how far two maps are apart.
+/// Checks a tangent-space normal map by its texels alone, and measures how far two maps differ.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@ struct NormalMapCheck {
   std::size_t texels = 0;
   std::size_t not_finite = 0;     ///< NaN, infinite or zero
   std::size_t below_surface = 0;  ///< z <= 0
-  /// Texels whose length is off 1 by more than codes that were rounded, or cut off, can do: 2 √3 / most, of
-  /// f32 1e-6.
+  /// Texels whose length differs from 1 by more than rounding or truncation to codes explains: 2 √3 / most;
+  /// for f32 1e-6.
   std::size_t not_unit = 0;
   double least_length = 0, greatest_length = 0;
   std::array<double, 3> mean{};  ///< of x, y and z
@@ -36,17 +36,20 @@ struct NormalMapCheck {
   double agreeing = 0;           ///< the share of them that say so
 };
 
-/// Looks at a map alone.
+/// Checks a map without a mesh or a surface.
 ///
-/// A map of heights h over the image has (-x/z, -y/z) = (h_u, h_w), w up the image: its mixed derivatives
-/// agree, h_uw = h_wu, with green up; with green down they are opposite. Both are taken from central
-/// differences between means of s x s texels, s = 1, 2, 4, ..., and a cell votes where each is beyond what
-/// rounding of the codes can do: |δ(x/z)| <= (1 + |x/z|) / (most (z - 1/most)). A map of f(u) + g(w) has no
-/// such cell, so that none of its green is guessed. `green` is decided where at a scale 16 cells vote or
-/// more, 4/5 of them alike. Red flipped instead of green looks the same.
+/// The map of a height field h over the image has (-x/z, -y/z) = (h_u, h_w), w up the image. If green points
+/// up, the mixed derivatives agree: h_uw = h_wu. If green points down, they are opposite. Both are taken from
+/// central differences between means of s x s texels, s = 1, 2, 4, .... A cell votes if each of the two
+/// exceeds what rounding to 8 bits can cause: |δ(x/z)| <= (1 + |x/z|) / (255 z - 1), whatever the depth of
+/// the map. A map of f(u) + g(w) has no such cell, so its green is not guessed. The map is a relief at a
+/// scale if its residual there, Σ (h_uw - h_wu)² over Σ (h_uw² + h_wu²), is small: it is 0 for a
+/// gradient, 1 for unrelated slopes. `green` is decided if at some scale at least 16 cells vote, 4/5 of them
+/// agree, and the residual is at most 0.2. A baked map of what the triangles leave out is no relief and stays
+/// undecided. A flipped red looks the same as a flipped green.
 ///
-/// `swapped` compares how well each order of red and green makes a gradient: Σ (h_uw - h_wu)² over Σ
-/// (h_uw² + h_wu²). It is decided where one is below 0.1 and the other above 0.3.
+/// `swapped` compares the residuals of both orders of red and green. It is decided where one is below 0.1 and
+/// the other above 0.3.
 ///
 /// \param signed_floats as NormalMapOptions has it
 /// Cost: some 0.1 µs and 40 bytes per texel. \throws ParameterError as convert_normal_map()
@@ -58,7 +61,7 @@ struct MapDifference {
     double angle_deg = 0;
     std::int32_t island = -1;
   };
-  /// An island of uvs (mesh_classes.h); of compared maps without a mesh the whole map is one.
+  /// An island of uvs (mesh_classes.h). If maps are compared without a mesh, the whole map is one island.
   struct Island {
     std::size_t piece = 0;
     std::int32_t island = 0;

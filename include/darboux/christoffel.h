@@ -29,8 +29,8 @@ Christoffel<S> christoffel(const Jet2<S>& j, const Frame<S>& frame) {
   return result;
 }
 
-/// Of a surface at (u, v), from a jet and frame of it at hand, within the bound of curvature.h: symbols whose
-/// terms cancel, or of partials whose squares underflow, are taken again in 40 digits. \param surface a
+/// The symbols of a surface at (u, v), from its jet and frame there, within the bound of curvature.h. If
+/// terms cancel, or squares of partials underflow, they are computed again in 40 digits. \param surface a
 /// surface type, or AnySurface
 template <class X, std::floating_point S>
 Christoffel<S> christoffel(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {

@@ -35,7 +35,7 @@ struct Unmatched {
   std::size_t total() const { return not_finite + position + triangle + uv + normal + uv_and_normal; }
 };
 
-/// Of all signs w that are positive or negative on both sides.
+/// How the signs w of a and b compare, over the pairs in which each is positive or negative.
 enum class SignAgreement : std::uint8_t { none, same, opposite, mixed };
 inline constexpr std::array<std::string_view, 4> sign_agreement_names{"none", "same", "opposite", "mixed"};
 
@@ -49,7 +49,8 @@ struct WorstTangent {
 struct MeshComparison {
   std::size_t corners_a = 0, corners_b = 0, matched = 0;
   Unmatched unmatched_a, unmatched_b;
-  /// How many would match if b stored 1 - v for v; looked at only where uvs are a reason and both have them.
+  /// How many would match if b stored 1 - v for v. Counted only if uvs are a reason for corners without a
+  /// counterpart and both meshes have uvs.
   std::size_t matched_with_v_flipped = 0;
 
   bool tangents_a = false, tangents_b = false;  ///< which has tangents at all; without both all below is 0
@@ -59,8 +60,8 @@ struct MeshComparison {
   std::optional<Statistics> tangent_deg;  ///< angles, of all other matched corners
   SignAgreement sign = SignAgreement::none;
   std::size_t opposite_signs = 0;
-  /// Where all signs are opposite and each side follows one convention (frame.h): whether a writes raw (b:
-  /// gltf), or gltf.
+  /// Set if all signs are opposite and each mesh follows one convention (frame.h). true: a stores raw and b
+  /// gltf; false: the reverse.
   std::optional<bool> a_is_raw;
   std::optional<WorstTangent> worst;  ///< the largest angle where bits differ
   bool same = false;                  ///< as compare() defines it
@@ -68,24 +69,25 @@ struct MeshComparison {
 
 /// Compares two meshes in their own spaces.
 ///
-/// A corner is the same in both where its position, normal and uv are, and those of the next and of the
-/// previous corner of its triangle: whatever the order of triangles, the corner a triangle begins with,
-/// indices, split and welded vertices. Corners of equal bits are matched first, then those that differ by
-/// less than 1e-6 of the range over both meshes (of positions: the diagonal of their box; of uvs: the larger
-/// side of theirs; of normals: 2), chains of such included (positions up to 1.5 times that far may count as
-/// the same too). An attribute that one mesh lacks differs from any that the other stores. Where several
-/// corners are the same (duplicate triangles, triangles in one point), those of bit-equal tangents are paired
-/// first, the rest along one fixed direction in the order of their tangents. A corner is matched once at
-/// most. NaN and infinities in positions, normals and uvs match nothing.
+/// Two corners are the same if they agree in position, normal and uv, and so do the next and the previous
+/// corners of their triangles. The order of the triangles, the corner that a triangle begins with, the
+/// indices, and split or welded vertices do not matter. Corners of equal bits are matched first, then those
+/// that differ by less than 1e-6 of the range over both meshes (for positions the diagonal of their box, for
+/// uvs the larger side of theirs, for normals 2) or are linked by a chain of such differences. Positions up
+/// to 1.5 times that far apart may count as the same too. An attribute that one mesh lacks differs from any
+/// that the other stores. If several corners are the same (duplicate triangles, triangles in one point),
+/// those with bit-equal tangents are paired first, the rest in the order of their tangents along one fixed
+/// direction. A corner is matched at most once. NaN and infinities in positions, normals and uvs match
+/// nothing.
 ///
 /// The meshes are the same where both have corners and tangents, all corners of both are matched, and at each
 /// matched pair all four numbers of the tangents are bit-equal, or, with max_angle_deg > 0, the angle is at
 /// most that and w is equal. Tangents without a direction have no angle: they must be bit-equal.
 ///
-/// Swapping a and b swaps what is said of them and changes nothing else (the worst corner, where several are
-/// equally bad). Cost: n log k for n corners, k of which share a vertex, where bits agree, about a second for
-/// 10^6 triangles; three times that where they do not. \throws MeshError when a mesh is inconsistent \throws
-/// ParameterError for an angle outside [0, 180]
+/// Swapping a and b swaps the results for them and changes nothing else, except the choice of the worst
+/// corner if several are equally bad. Cost: n log k for n corners, k of which share a vertex. That is about
+/// one second for 10^6 triangles if their bits agree, three times that if not. \throws MeshError when a mesh
+/// is inconsistent \throws ParameterError for an angle outside [0, 180]
 MeshComparison compare(const Mesh& a, const Mesh& b, const CompareOptions& options = {});
 
 /// A piece of a file: its place and name there.
@@ -106,7 +108,7 @@ struct MeshPairs {
 /// first in the order of a; the same mesh and primitive. Boxes are those of the finite positions that
 /// triangles use. They agree where no side of one lies farther from the other's than 1 % of the diagonal of
 /// the larger; two that hold nothing agree too. Cost: that of the names, and the product of the numbers of
-/// pieces for those that neither name nor place pairs.
+/// pieces for those that neither name nor place pairs. \throws MeshError for a null pointer
 MeshPairs pair_meshes(std::span<const NamedMesh> a, std::span<const NamedMesh> b);
 
 }  // namespace darboux

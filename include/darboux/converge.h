@@ -35,7 +35,7 @@ struct MeshFamily {
 };
 /// regular, sheared (K = 0.5), jittered (0.15 of a cell: no triangle is inverted), jittered-diagonals,
 /// mirrored, graded (0.5: cells from half to one and a half times the average); and three on which much does
-/// not converge, so that no order is expected there (of shared-poles: on surfaces with poles):
+/// not converge, so that no order is expected (for shared-poles: none on surfaces with poles):
 ///   inverted      jittered by 0.35 of a cell
 ///   shared-poles  all triangles at a pole share one vertex, which has one u
 ///   lantern       Schwarz's, with n rows and 2 sqrt(n) columns, as many as n/m² = 1/4 takes, at least 3; of
@@ -69,7 +69,7 @@ struct Level {
   /// uv) / (shortest edge in uv) is greater, that takes the place of the quotient.
   double floor_deg;
   double seconds;                 ///< of the method on the whole mesh: the best of several runs, one thread
-  std::size_t corners, fallback;  ///< corners of the class; those among them no triangle served, left out
+  std::size_t corners, fallback;  ///< corners of the class; those that no triangle serves, which are left out
   bool used;                      ///< enters the fit of the order
   std::vector<double> rms_of_mesh{}, max_of_mesh{};  ///< of each random mesh, by seed; one of others
 };
@@ -87,16 +87,16 @@ struct Study {
   /// "normal", for methods that make their own: against n.
   std::string_view quantity;
   std::vector<Level> levels;  ///< coarse to fine
-  /// estimate_order() of the rms at the levels where that lies above ten times the floor, on each mesh; NaN
-  /// where that are fewer than three.
+  /// estimate_order() of the rms, over the levels at which the rms of every mesh exceeds ten times the floor.
+  /// NaN if there are fewer than three such levels.
   double order, order_low, order_high;
   double max_order;  ///< the same of the largest errors
-  /// 0: is not expected to converge. That is so for any surface whose partials are zero, parallel or infinite
-  /// along a line, as far as u and v that are multiples of 1/16 show it.
+  /// 0: not expected to converge. This holds for any surface whose partials are zero, parallel or infinite
+  /// along a line. Such a line is looked for at multiples of 1/16 in u and v only.
   double expected_order;
   OrderVerdict verdict;
 
-  /// Whether the largest error falls, also where the rms does only because what is wrong is rare.
+  /// Whether the largest error falls. (The rms may fall merely because wrong corners become rare.)
   bool max_converges() const { return !(max_order < least_order); }
   /// Whether it does at least what was expected.
   bool holds() const {
@@ -117,8 +117,8 @@ struct ConvergeOptions {
   std::vector<const MeshFamily*> families;
   std::vector<int> resolutions{8, 16, 32, 64, 128, 256};  ///< at least three, rising, each at least 2
   std::uint64_t seed = 1;                                 ///< of the first random mesh
-  /// Meshes of each random family at each resolution, with seeds seed, seed + 1, ...; at least 1. Of more
-  /// than finest_repeated rows there is one: their errors scatter less.
+  /// Meshes of each random family at each resolution, with seeds seed, seed + 1, ...; at least 1. With more
+  /// than finest_repeated rows there is only one mesh, as its errors scatter less.
   int seeds = 3;
   double v_first = 0, v_last = 1;  ///< the part of the surface that is meshed
 };
@@ -130,15 +130,16 @@ struct ConvergeOptions {
 ///   pole_ring         FrameMethod::at_poles
 ///   pole              the same, at most 1; 0 for t and n of methods that use vertices two edges away
 /// On a mesh with poles the other classes converge more slowly, since the rows next to a pole are a share h
-/// of all. Methods that see a triangle alone: at most half an order faster than pole_ring. Others: interior
-/// at most half an order faster than pole_ring, a quarter on irregular meshes where that is
-/// below 1, 0 where that is 0; seam and border half an order less than 2 or 3, as measured, and at most half
-/// an order faster than pole_ring on irregular meshes. On graded meshes with poles polynomials are expected
-/// to have no more in the interior than on irregular ones. Where a method is not made for the chart, or
-/// nothing is expected of the family, or the surface is singular along a line, it is 0. A family's shear
-/// vanishes at the poles: pole and pole_ring go by the chart without it, with at most 1 where the method is
-/// not made for the sheared one. \param progress called with the share done, in [0, 1] \throws ParameterError
-/// when the resolutions or the range of v are not as above, or a surface has no such mesh
+/// of all. Methods that use one triangle at a time: at most half an order faster than pole_ring. Other
+/// methods: the interior is at most half an order faster than pole_ring; on irregular meshes at most a
+/// quarter faster if pole_ring is below 1, and no faster if it is 0. Seam and border: half an order less than
+/// 2 or 3, as measured, and on irregular meshes at most half an order faster than pole_ring. On graded meshes
+/// with poles, polynomials are expected to have no higher order in the interior than on irregular meshes. The
+/// order is 0 if the method is not made for the chart, if nothing is expected of the family, or if the
+/// surface is singular along a line. A family's shear vanishes at the poles: pole and pole_ring go by the
+/// chart without shear, with an order of at most 1 if the method is not made for the sheared chart. \param
+/// progress called with the share done, in [0, 1] \throws ParameterError when the resolutions or the range of
+/// v are not as above, or a surface has no such mesh
 std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress = {});
 
 /// The pieces that converge() is made of, for those who run them elsewhere: one mesh of one surface each.
@@ -164,7 +165,7 @@ std::vector<LevelSample> run_converge_job(const ConvergeOptions& options, const 
 
 /// The studies of all samples, of_job[i] being those of jobs[i]: what converge() returns. Those with fewer
 /// than three levels are left out, so that part of the jobs gives part of the studies. The samples are of the
-/// options' methods.
+/// options' methods. \throws ParameterError where of_job is not one per job
 std::vector<Study> conclude_studies(const ConvergeOptions& options, const std::vector<ConvergeJob>& jobs,
                                     const std::vector<std::vector<LevelSample>>& of_job);
 

@@ -36,8 +36,8 @@ S hypotenuse(const S& x, const S& y) {
   return select(large > zero, S(large * sqrt(S(one + ratio * ratio))), S(p + q));
 }
 
-// \param equal κ1 and κ2 are so where they differ by less than 16 of these relative to |a| + |c|
-// \param noise what rounding leaves of m relative to its terms
+// \param equal_by κ1 and κ2 count as equal if they differ by at most this times |a| + |c|
+// \param noise what rounding leaves of m, relative to its terms
 template <class S>
 Curvature<S> curvature_of(const ShapeOperator<S>& shape, const Frame<S>& frame, const S& equal_by,
                           const S& noise) {
@@ -79,9 +79,9 @@ Curvature<S> curvature_of(const ShapeOperator<S>& shape, const Frame<S>& frame, 
 
 /// Curvatures from the shape operator in the basis (t, b) of an orthonormal frame:
 ///   H = (a + c)/2,  κ = H ± hypot((a - c)/2, m)
-/// accurate at umbilics and for any representable size. κ1 and κ2 count as equal (umbilic) when they differ
-/// by less than 16u (|a| + |c|), what rounding leaves of the jet; m counts as 0 for the directions when it is
-/// less than 32u of its terms.
+/// accurate at umbilics and for any representable size. κ1 and κ2 count as equal (umbilic) if they differ
+/// by at most 16u (|a| + |c|), which is what rounding leaves of the jet. For the directions m counts as 0 if
+/// it is at most 32u of its terms (8u if a >= c).
 template <detail::Binary S>
 Curvature<S> curvature(const ShapeOperator<S>& shape, const Frame<S>& frame) {
   constexpr auto epsilon = std::numeric_limits<detail::Element<S>>::epsilon();
@@ -191,12 +191,13 @@ Curvature<S> regular_curvature(const X& surface, S u, S v, const Frame<S>& frame
 
 /// The curvatures of a surface at (u, v), at poles and collapsed edges too, as shape_operator() says. At
 /// regular points they err by at most 8u times (1 + condition), as vectors: K, H, (κ1, κ2), the directions.
-/// The condition is the sum over u, v and the parameters of |x ∂q/∂x| / |q|. To that of the directions is
-/// added 1 + that of (κ1, κ2), times |κ|/(κ1 - κ2), which counts up to 256. About 100 ns. Where terms
-/// cancel to less than an eighth, K and H are those that the surface states in closed form (some 20 ns
-/// more), and what it does not state, or κ and the directions, is computed in 40 digits: some 50 µs, for
-/// points where a chart is very oblique, a curvature is small beside the bending of the coordinate curves,
-/// or the square of a first partial, alone or times the curvature, underflows.
+/// The condition of q is the sum over u, v and the parameters of |x ∂q/∂x| / |q|. The condition of the
+/// directions has one more term: (1 + the condition of (κ1, κ2)) times |κ|/(κ1 - κ2), the last factor
+/// counted as at most 256. About 100 ns. If terms cancel to less than an eighth, K and H are taken from the
+/// surface's closed forms (some 20 ns more). Those that it does not state, and κ and the directions, are
+/// computed in 40 digits (some 50 µs). This happens where the chart is very oblique, where a curvature is
+/// small beside the bending of the coordinate curves, and where the square of a first partial, alone or times
+/// the curvature, underflows.
 template <class X, std::floating_point S>
 Curvature<S> curvature(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   if constexpr (!ParametricSurface<X>) {

@@ -147,8 +147,8 @@ TangentRates<S> tangent_rates(const Vec3<S>& x, const CurveJet<S>& k, const S& s
 }  // namespace detail
 
 /// The straight line (1 - t) a + t b.
-/// Its moving frame is constant: N is perpendicular to b - a in the plane of it and the axis it is least
-/// along.
+/// Its moving frame is constant: N is perpendicular to b - a, in the plane of b - a and the coordinate axis
+/// that makes the largest angle with it.
 template <class T = double>
 struct LineSegment {
   using scalar = T;
@@ -363,7 +363,7 @@ class BSplineCurve {
 
   const KnotVector<T>& knots() const { return knots_; }
   const std::vector<Vec3<T>>& control_points() const { return control_points_; }
-  /// Up to a common power of two those given; empty where they are all equal.
+  /// The weights given, times a common power of two; empty if they are all equal.
   const std::vector<T>& weights() const { return weights_; }
 
   static std::string refusal(int degree, const std::vector<T>& knots,
@@ -376,7 +376,7 @@ class BSplineCurve {
   CurveJet<S> jet(const S& t) const {
     return jet_to<3>(t);
   }
-  /// Its derivatives to an order only, zero beyond it: the same bits.
+  /// jet() with its derivatives up to `order` only, to the same bits; zero beyond.
   template <int order, class S>
   CurveJet<S> jet_to(const S& t) const {
     const auto span = knots_.span(t);

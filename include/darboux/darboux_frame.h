@@ -20,7 +20,7 @@ struct CurveOnSurface {
 /// The Darboux frame of a curve on a surface: T its unit tangent, V = n × T the tangent normal, n the
 /// surface normal; κn its normal curvature, κg its geodesic curvature, τg its geodesic torsion (1/length):
 ///   T' = κg V + κn n,   V' = -κg T + τg n,   n' = -κn T - τg V   (derivatives by arc length)
-/// κn is positive where the curve bends towards n, κg where it turns to the left seen against n.
+/// κn is positive where the curve bends towards n, κg where it turns left, seen from the side of n.
 /// [doCarmo2016, sec. 4-4]
 template <class S>
 struct DarbouxFrame {

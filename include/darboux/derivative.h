@@ -126,12 +126,13 @@ class Planner {
 
 }  // namespace detail::difference
 
-/// f'(x) by the cheapest method whose error estimate meets the request; where none does, the best there was,
-/// with met = false. In this order: dual numbers where f takes them (to keep a generic f from being tried,
-/// give its parameter the type double); then, f's behaviour measured, differences of 3 to 10 evaluations,
-/// central where the domain has room for the stencil and one-sided where it has not; then Ridders. Methods
-/// whose rounding alone would miss the request are passed over, but for order 8. f is evaluated in the domain
-/// only. x outside the domain or NaN, or a length that is not positive and finite: no derivative.
+/// f'(x) by the cheapest method whose error estimate meets the request. If none does: the best estimate, with
+/// met = false. Dual numbers come first, if f takes them (to prevent that for a generic f, give its parameter
+/// the type double). Then f's behaviour is measured, and differences of 3 to 10 evaluations are tried: of
+/// even order central if the domain has room for the stencil, otherwise one-sided. Ridders' method comes
+/// last. Once there is an estimate, differences whose rounding alone would miss the request are skipped,
+/// except those of order 8. f is evaluated in the domain only. No derivative if x is NaN or outside the
+/// domain, or the length is not positive and finite.
 template <class F>
 auto derivative(F&& f, double x, const DerivativeRequest& request) {
   namespace d = detail::difference;
@@ -147,7 +148,8 @@ auto derivative(F&& f, double x, const DerivativeRequest& request) {
   planner.spend(20);
   return planner.differences(behaviour(f, x, request.length, request.domain));
 }
-/// The same with a behaviour measured before: for many points of one function.
+/// The same by differences only, with a behaviour measured before: for many points of one function. Dual
+/// numbers are not tried. The length is that of b, and `evaluations` lacks the 20 of behaviour().
 template <class F>
 auto derivative(F&& f, double x, const DerivativeRequest& request, const Behaviour& b) {
   namespace d = detail::difference;

@@ -15,14 +15,14 @@
 /// are proportional to it. Too large an L costs truncation, too small a one rounding; the estimate sees both
 /// as long as the stencil stays within a tenth of the true length.
 ///
-/// *Rounding.* A value of f alone does not show its rounding error. Given a step, a difference takes
-/// it to be a few roundings of |f| and of the argument; that holds for positions of surfaces. Given a
-/// Behaviour, which behaviour() measures by 20 evaluations of f, it takes what was measured, and fits the
-/// step to it: for sums that cancel, polynomials, noise of any kind.
+/// *Rounding.* A value of f alone does not show its rounding error. A difference that is given a step assumes
+/// a few roundings of |f| and of the argument, which holds for positions of surfaces. A difference that is
+/// given a Behaviour, which behaviour() measures by 20 evaluations of f, uses the measured rounding and fits
+/// the step to it: for sums that cancel, polynomials, noise of any kind.
 ///
-/// *What an estimate promises*, for smooth f with the right length and a measured behaviour, over 10^6
-/// points: less than half the true error at most 10 times; in the median at most 10 times the true error, in
-/// the 99th percentile at most 100 times (true errors below u|f'| taken as that).
+/// *What an estimate promises*, for smooth f with the right length and a measured behaviour: at no more than
+/// 10 of 10^6 points is it below half the true error. The ratio of the estimate to the true error is at most
+/// 10 in the median and at most 100 in the 99th percentile (true errors below u|f'| count as u|f'|).
 /// tests/surface/differentiate_test.cpp holds it to that; docs/theory/differentiation.md derives it and says
 /// where it cannot hold. It is an estimate, no bound.
 ///
@@ -376,12 +376,12 @@ constexpr double second_step(double length = 1) {
   return detail::difference::second_steps[order] * length;
 }
 
-/// How f behaves near x: its size and the rms error of its values, measured by 20 evaluations in two clusters
-/// of points that lie 10^-8 lengths apart, so near that f is a parabola there and what is left of it is
-/// rounding [More2011]. The clusters lie 1/24 of a length from x, on both sides where the domain allows. The
-/// rounding found has the accuracy of 14 samples, and is at least what one rounding of |f| leaves. Values
-/// rounded so coarsely that f is constant in a cluster show none. Measure once and use it for all points
-/// nearby.
+/// How f behaves near x: its size and the rms error of its values, measured by 20 evaluations in two
+/// clusters. The points of a cluster lie some 10^-8 lengths apart, so close together that f is a parabola
+/// there and any deviation from one is rounding [More2011]. The clusters lie 1/24 of a length from x, on both
+/// sides where the domain allows. The rounding found has the accuracy of 14 samples, and is at least what one
+/// rounding of |f| leaves. Values rounded so coarsely that f is constant in a cluster show none. Measure once
+/// and use it for all points nearby.
 template <class F>
 Behaviour behaviour(F&& f, double x, double length = 1, const Interval& domain = {}) {
   namespace d = detail::difference;

@@ -8,10 +8,10 @@
 
 namespace darboux {
 
-/// Base of everything the library throws. what() is one line, "SUBJECT: expected X, got Y", where
-/// what is wrong may stand before it: "SUBJECT: what is wrong: expected X, got Y". It is UTF-8 of at most 480
-/// bytes: a subject of more than 200, and what is longer as a whole, is shortened in the middle ("...");
-/// bytes that are no UTF-8 and control characters are escaped (\xFF).
+/// Base of everything the library throws. what() is one line: "SUBJECT: expected X, got Y" or "SUBJECT: what
+/// is wrong: expected X, got Y". It is UTF-8 of at most 480 bytes: a subject of more than 200 bytes, and a
+/// line that is too long as a whole, are shortened in the middle ("..."). Control characters and bytes that
+/// are not UTF-8 are escaped (\xFF).
 class Error : public std::runtime_error {
  public:
   /// \param subject the file, argument or parameter that is at fault

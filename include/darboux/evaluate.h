@@ -1,6 +1,6 @@
 /// \file evaluate.h
-/// Evaluates a surface at many (u, v): what is asked for, into memory of the caller's, in the layout asked
-/// for.
+/// Evaluates a surface at many (u, v). Writes the requested attributes into the caller's memory, in the
+/// requested layout.
 ///   darboux::Outputs<float> out;
 ///   out.packed(Attribute::position, positions).packed(Attribute::tangent4, tangents);
 ///   evaluate(Torus{1.0, 0.4}, Points<float>::interleaved(uvs), out);
@@ -126,8 +126,8 @@ class Outputs {
   std::size_t status_points_ = 0;
 };
 
-/// Whether results bypass the caches (non-temporal stores). For results larger than the caches that is about
-/// 1.5 times as fast, for smaller ones as much slower. automatic: decided by size.
+/// Whether results bypass the caches (non-temporal stores). This is about 1.5 times as fast for results
+/// larger than the caches, and that much slower for smaller ones. automatic: decided by size.
 enum class Stores : std::uint8_t { automatic, cached, past_caches };
 
 struct EvaluateOptions {
@@ -276,9 +276,9 @@ StatusSummary evaluate(const ErasedSurface<float>&, const Points<float>&, const 
 /// set, layout, number of threads and place in the batch. Where no frame exists vectors are NaN. The status
 /// has overflow only for partials that were asked for, umbilic only with principal directions.
 ///
-/// Only what is asked for is computed, except the frame (for the status) and higher derivatives of splines,
-/// where points go one by one or the surface has no closed-form frame. Results must not overlap one another
-/// or the points. Only threads, and the first call, allocate.
+/// Only what is asked for is computed, with two exceptions: the frame, which the status needs; and higher
+/// derivatives of splines, if points go one by one or the surface has no closed-form frame. Results must not
+/// overlap one another or the points. Only threads, and the first call, allocate.
 ///
 /// In float, u, v and the parameters are rounded to float first, which alone may cost hundreds of ulps. For
 /// floats nearest to the exact values, evaluate in double and round. About 5 ns per point for position, dpdu,

@@ -16,7 +16,7 @@ namespace darboux {
 struct FileTangentOptions {
   std::string method = "mikktspace";  ///< one of frame_methods()
   SignConvention sign = SignConvention::gltf;
-  bool only_needed = false;  ///< only primitives whose Primitive::needs_tangents
+  bool only_needed = false;  ///< only primitives with Primitive::needs_tangents
   int threads = 1;           ///< as mesh_frames() takes it; the file does not depend on it
   /// Called with the share of primitives that are done, in [0, 1].
   std::function<void(double)> progress;
@@ -52,8 +52,8 @@ struct FileTangents {
 /// vertices are split where any of them differ. Where the method has no direction for t_k
 /// (CornerFrame::fallback) the delta is zero. w is the base's.
 ///
-/// Left alone, with a reason: points and lines, primitives without normals (glTF has their tangents ignored)
-/// or uvs, and with only_needed those that nothing needs tangents for.
+/// Left alone, with a reason: points and lines; primitives without normals (glTF says that their tangents are
+/// ignored) or without uvs; and with only_needed primitives whose tangents nothing needs.
 ///
 /// \throws FileError when the file's data cannot be read \throws MeshError naming file, primitive and vertex
 /// for the first position, normal or uv that is not finite, a morph target's included \throws ParameterError
@@ -67,11 +67,11 @@ struct DroppedIdle {
   std::string bytes_kept;                    ///< why no bytes were taken out; empty where they were
 };
 
-/// Takes TANGENT off the primitives where it is idle (tangent_need.h, TangentNeed::idle), and off their morph
-/// targets; accessors and bufferViews that nothing else uses leave the document, and their bytes the buffers,
-/// from between interleaved attributes too. Accessors that others share stay. All other elements keep their
-/// bits; other buffers than the GLB's own become data URIs. Bytes stay where an extension that is
-/// not known may name accessors or bufferViews by number. Cost: linear in the bytes of the buffers.
+/// Removes TANGENT from the primitives where it is idle (tangent_need.h, TangentNeed::idle), and from their
+/// morph targets. Accessors and bufferViews that nothing else uses are removed from the document, and their
+/// bytes from the buffers, also from between interleaved attributes. Shared accessors stay. All other
+/// elements keep their bits. Buffers other than the GLB's own become data URIs. No bytes are removed if an
+/// unknown extension may name accessors or bufferViews by number. Cost: linear in the bytes of the buffers.
 /// \throws FileError when the document contradicts itself; then it is as before
 DroppedIdle drop_idle_tangents(GltfDocument& document);
 

@@ -22,8 +22,9 @@ struct PointFitOptions {
   std::optional<double>
       noise{};  ///< standard deviation of each coordinate, > 0, in the units of the points; none: estimated
   bool with_uv = false;  ///< take each point as surface(uv) + noise, with one uv convention for all points
-  std::optional<PlacedSurface> guess{};  ///< tried beside the starts that the points give; of the kind named
-  std::uint64_t seed = 1;                ///< of the random samples: same points, same seed, same bits
+  std::optional<PlacedSurface> guess{};    ///< tried beside the starts that the points give;
+                                           ///< of the kind named, of any with uvs and `auto`
+  std::uint64_t seed = 1;                  ///< of the random samples: same points, same seed, same bits
   std::function<void(double)> progress{};  ///< called from this thread with the share done, in [0, 1]; 1 last
 };
 
@@ -44,8 +45,8 @@ struct ConfidenceInterval {
   double low, high;
 };
 
-/// A surface that was tried: the best of its kind, and of the first kind others that explain part of the
-/// points alike.
+/// A surface that was tried: the best of its kind; for the first kind also others that explain part of the
+/// points equally well.
 struct FitCandidate {
   std::string name;
   double bic =
@@ -113,15 +114,15 @@ const std::vector<std::string_view>& found_kinds();
 /// of its largest component, a cone's from base to apex; the u origin is the world axis x, y or z least
 /// parallel to the axis, in that order, projected. Cost: linear in the points.
 ///
-/// auto takes the kind with the smallest Bayesian information criterion [Schwarz1978], all on the footing of
-/// the likeliest one's noise, outliers and inliers, and must have two fifths of the points. Every
-/// other kind must be less likely by odds of exp(5), or be kept by the points near a limit that is the chosen
-/// one: a cone of a small half-angle beside a cylinder. Otherwise the fit is not usable, "undetermined: ...";
-/// so it is where a kind that did not converge or is not determined does better, and where the
-/// distances of neighbouring points are alike (another surface). A torus that crosses itself is not among the
-/// choices. A named kind may be any of the catalogue but those without parameters, with more than 12, and the
-/// superellipsoid. Those beside found_kinds(), and elliptic-paraboloid, whose semi-axes may differ then, are
-/// fitted from their default proportions.
+/// auto takes the kind with the smallest Bayesian information criterion [Schwarz1978]; all kinds are judged
+/// with the noise, outliers and inliers of the likeliest one. The chosen kind must have two fifths of the
+/// points. Every other kind must be less likely by odds of exp(5), or the points must hold it near a limit in
+/// which it is the chosen kind, as a cone of small half-angle beside a cylinder. Otherwise the fit is not
+/// usable ("undetermined: ..."). Nor is it usable if a kind that did not converge or is not determined does
+/// better, or if the distances of neighbouring points are alike (another surface). A torus that crosses
+/// itself is not among the choices. A named kind may be any of the catalogue, except those without
+/// parameters, those with more than 12, and the superellipsoid. Kinds that are not in found_kinds() are
+/// fitted from their default proportions; so is elliptic-paraboloid, whose semi-axes may then differ.
 ///
 /// The fit has converged when the next step of Ceres towards the root of the likelihood's gradient moves the
 /// surface by at most 1e-9 of its standard error, or by less than rounding does. Where there is no such root
@@ -172,8 +173,8 @@ UncertainFrame frame_near(const PointFit& fit, const Vec3<double>& p);
 UncertainFrame frame_near(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
                           const Vec3<double>& p);
 
-/// The frame at the surface's own (u, v), which stay: not through the convention of the placed surface's
-/// stored uvs. \throws ParameterError as frame_near()
+/// The frame at the surface's own (u, v), which are held fixed. The placed surface's convention for stored
+/// uvs is not applied. \throws ParameterError as frame_near()
 UncertainFrame frame_at(const PointFit& fit, const Vec2<double>& uv);
 
 }  // namespace darboux

@@ -72,8 +72,8 @@ struct PlanarCurve {
 template <class Curve>
 PlanarCurve(Curve) -> PlanarCurve<Curve>;
 
-/// A curve in space with N in the plane of T and a fixed direction `up`, on its side: N = unit(up - (up · T)
-/// T). In closed form, with a twist. There is no frame where the curve runs along `up`.
+/// A curve in space with N in the plane of T and a fixed direction `up`, on the side of `up`: N = unit(up -
+/// (up · T) T). In closed form, with a twist. There is no frame where the curve runs along `up`.
 template <class Curve = HelixCurve<double>>
 struct UprightCurve {
   using scalar = typename Curve::scalar;
@@ -132,13 +132,13 @@ UprightCurve(Curve) -> UprightCurve<Curve>;
 template <class Curve, class T>
 UprightCurve(Curve, Vec3<T>) -> UprightCurve<Curve>;
 
-/// A curve in space with a rotation-minimising frame: N and B turn about T not at all. It is the frame of
-/// UprightCurve turned by φ(t) = -∫ twist dt from 0 to t, so that N at t = 0 leans to `up` [Bishop1975].
-/// The integral is Gauss's with four points on each of `panels` equal pieces of [0, t]; turning_error() tells
-/// what it leaves. T and the rates are in closed form; N and B turn by that error, and a tube's points by it
-/// times the radius, which their derivatives do not show. Cost: 4 panels evaluations of the curve. Not for
-/// closed curves: the frame does not come back to itself. There is no frame if the curve runs along `up`
-/// somewhere; choose `up` so that it does not.
+/// A curve in space with a rotation-minimising frame: N and B do not turn about T. It is the frame of
+/// UprightCurve turned by φ(t) = -∫ twist dt from 0 to t, so that N at t = 0 leans towards `up`
+/// [Bishop1975]. The integral is computed by Gauss's four-point rule on each of `panels` equal pieces of [0,
+/// t]; turning_error() estimates its error. T and the rates are in closed form. N and B are turned by that
+/// error, and a tube's points are moved by it times the radius; the derivatives do not show this. Cost: 4
+/// panels evaluations of the curve. Not for closed curves: the frame does not return to itself. There is no
+/// frame if the curve runs along `up` somewhere; choose `up` so that it does not.
 template <class Curve = HelixCurve<double>>
 struct RotationMinimisingCurve {
   static_assert(Curve::kind == Coordinate::linear, "a rotation-minimising frame does not close");

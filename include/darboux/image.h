@@ -16,7 +16,7 @@ enum class SampleType : std::uint8_t {
   f32   ///< numbers
 };
 
-/// Texels row by row from the top, each with its channels: red, green, blue and, of four, alpha.
+/// Texels row by row from the top, each with its channels: red, green, blue and, if there are four, alpha.
 struct Image {
   using Samples = std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<float>>;
 

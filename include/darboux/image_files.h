@@ -41,8 +41,8 @@ Image read_image(const std::string& name, std::string_view bytes, const ReadImag
 std::string image_colour_tag(const std::string& path);
 std::string image_colour_tag(const std::string& name, std::string_view bytes);
 
-/// What texels of a file of this name can be, the finest last. \throws ParameterError for an extension that
-/// is none of .png .tga .exr
+/// The sample types that a file of this name can hold, the finest last. \throws ParameterError for an
+/// extension that is none of .png .tga .exr
 std::span<const SampleType> image_types(const std::string& path);
 
 /// Writes an image, whole or not at all, without colour tags; EXR as float, ZIP-compressed.

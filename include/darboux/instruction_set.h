@@ -19,8 +19,9 @@ enum class InstructionSet : std::uint8_t {
 /// Those that this build and this machine can run, best last.
 std::span<const InstructionSet> instruction_sets();
 /// What `automatic` means at this moment.
-/// \throws ParameterError when DARBOUX_ISA names none of instruction_sets(); so does all that runs on what is
-/// chosen here: evaluate() of many points, local_truth() and uv_jets(), mikktspace(), and what calls them
+/// \throws ParameterError when DARBOUX_ISA names none of instruction_sets(). Everything that runs on the
+/// chosen set throws it too: evaluate() of many points, local_truth(), uv_jets(), mikktspace(), and their
+/// callers
 InstructionSet chosen_instruction_set();
 /// "avx2", as in DARBOUX_ISA; "unknown" for what is no instruction set.
 std::string_view name_of(InstructionSet set);

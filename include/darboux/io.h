@@ -43,8 +43,8 @@ struct ReadOptions {
   std::optional<std::uint64_t> max_memory = std::nullopt;
 };
 
-/// World matrices of the nodes that show a mesh, one per instance. They do not change, and copies refer to
-/// the same ones, as the primitives of a mesh do.
+/// World matrices of the nodes that show a mesh, one per instance. Immutable: copies share the matrices, and
+/// so do the primitives of one mesh.
 class Instances {
  public:
   Instances() = default;
@@ -73,14 +73,15 @@ struct Primitive {
   std::size_t mesh = 0;       ///< index of the mesh in the file
   std::size_t primitive = 0;  ///< index within the mesh
   std::string name;           ///< the mesh's name, may be empty
-  /// Which TEXCOORD set `data.uvs` holds: that of the first texture of the material that reads the tangent
-  /// frame, where the primitive has it, else 0; -1 when there is none. The normal texture is the first, then
-  /// those of needs_tangents. Elsewhere the file's first set.
+  /// Which TEXCOORD set `data.uvs` holds; -1 when there is none. For glTF it is the set of the material's
+  /// first texture that reads the tangent frame, if the primitive has that set, else 0. The normal texture
+  /// comes first, then the others in the order of needs_tangents. For other formats it is the file's first
+  /// set.
   int texcoord = -1;
   /// Whether something in its material, or in one of its KHR_materials_variants, reads the tangent frame: a
   /// normalTexture, the clearcoatNormalTexture of KHR_materials_clearcoat, KHR_materials_anisotropy, the
   /// normal maps of MSFT_packing_normalRoughnessMetallic and MSFT_packing_occlusionRoughnessMetallic.
-  /// Nothing where the format does not say: it is not glTF.
+  /// Empty if the format does not say, that is, if it is not glTF.
   std::optional<bool> needs_tangents{};
   /// In the mesh's own space; vertex i is a glTF's or PLY's vertex i. Normalised integers are read as the
   /// numbers they stand for, NaN and infinities as they are; strips and fans become triangles in glTF's
@@ -138,9 +139,9 @@ struct Asset {
 /// knows, no tangents; polygons become fans about their first corner; faces with a list texcoord have a
 /// vertex per corner. Without faces the asset is empty, and `skipped` says so.
 ///
-/// STL: a vertex per corner, positions alone. What the format calls a normal is the facet's: it says once
-/// more how its corners are wound, is zero in many files, and as a normal of vertices would only tell that
-/// the mesh has facets.
+/// STL: a vertex per corner, positions alone. The stored normals are not read. They are normals of facets:
+/// they repeat what the winding tells, are zero in many files, and as vertex normals would only say that the
+/// mesh has facets.
 ///
 /// COLLADA 1.4 and 1.5, in double: a vertex per corner; polygons become fans about their first corner, those
 /// with holes are skipped; tangents where there are normals, TEXTANGENT and TEXBINORMAL, w the side of
@@ -264,10 +265,11 @@ PointCloud distinct_points(const PointFile& file);
 ///                        first line decides), in quotes or not. A header, which begins with a name or an
 ///                        empty field, names them in any order and case: x y z, nx ny nz, u v; columns of
 ///                        other names, and groups that are not complete, are passed over. It may stand behind
-///                        // or #, with as many names as there are columns. Without one: 3 columns x y z, 5 x
-///                        y z u v, 6 x y z nx ny nz, 8 all; those after z are passed over, with a note, of
-///                        other numbers of columns from 4 on, and where nx ny nz are no normals: finite, not
-///                        zero and not of unit length (10 %). Row numbers in the place of x are refused.
+///                        // or #, with as many names as there are columns. Without a header: 3 columns are
+///                        x y z, 5 are x y z u v, 6 are x y z nx ny nz, 8 are all of these. With 4, 7 or
+///                        more than 8 columns, those after z are passed over, with a note; likewise if
+///                        nx ny nz are finite and not zero, but not of unit length (10 %). Row numbers in
+///                        the place of x are refused.
 ///   .ply  the vertices, ASCII or binary of either byte order, normals and uvs included
 ///   .pcd  ASCII, binary or compressed binary; the viewpoint is not applied
 ///   .obj  the vertices, where there are faces with the attributes of the first corner
@@ -288,18 +290,18 @@ PointFile read_points(const std::string& path, const std::function<void(double)>
 /// Whether a path names standard output: "-", /dev/stdout, /dev/fd/1 or a link to one of them.
 bool is_standard_output(const std::string& path);
 
-/// A file that is written whole or not at all, piece by piece: without a name, which commit() gives it, so
-/// that an old file stays until the new one is complete. Without commit() nothing is left. Where the file
-/// system knows no files without a name, or gives them none, it is a hidden one beside the target until then
-/// (.darboux-*.tmp); a process that is killed leaves it.
+/// A file that is written piece by piece, and appears whole or not at all. It has no name until commit()
+/// gives it one, so an old file stays until the new one is complete. Without commit() nothing is left. If the
+/// file system has no nameless files, or cannot name them later, the content is in a hidden file beside the
+/// target until commit() (.darboux-*.tmp); a process that is killed leaves that file behind.
 ///
 /// A file that exists is replaced: its mode is kept, and its owner and group where that is permitted; other
 /// hard links keep the old content; a symbolic link stays, and what it names is replaced or made. A file that
 /// is read-only is refused. What names a descriptor of this process ("-" is standard output, /dev/stdout,
 /// /dev/fd/N), a device or a pipe is written to directly, from where it stands.
 ///
-/// Every member throws FileError: the path is a folder, its folder is missing or not writable, the file is
-/// read-only, the disk is full.
+/// The constructor, write() and commit() throw FileError: the path is a folder, its folder is missing or not
+/// writable, the file is read-only, the disk is full.
 class OutputFile {
  public:
   explicit OutputFile(const std::string& path);
@@ -308,7 +310,8 @@ class OutputFile {
   ~OutputFile();
   void write(std::string_view content);
   void commit();
-  /// Whether a descriptor of this process names an open regular file: writing changes what others read of it.
+  /// Whether the path names a descriptor of this process that is an open regular file. Others that read this
+  /// file see each write.
   bool is_written_in_place() const;
 
  private:

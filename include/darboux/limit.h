@@ -22,7 +22,7 @@ namespace detail {
 template <class S>
 using Taylor = std::array<Vec3<S>, 4>;
 
-// Of a sum of this size rounding leaves no more.
+// Whether a sum of terms of this size is more than what rounding leaves of them.
 template <std::floating_point S>
 bool above_rounding(const Vec3<S>& sum, S size) {
   return norm(sum) > S(32) * std::numeric_limits<S>::epsilon() * size;
@@ -132,10 +132,10 @@ Limit<S> limit_along(const X& surface, const Jet2<S>& j, Status why, const PU& u
   return result;
 }
 
-// The limit where the partials give no frame: along v for the given u, where only dpdv vanishes along u for
-// the given v; where there is none (a whole line of such points leads to this one, or the series are too
-// short) along the other. Where both partials vanish and the two limits differ there is none; where the
-// partials are parallel and they differ, `crease`.
+// The limit where the partials give no frame: along v at the given u; if only dpdv vanishes, along u at the
+// given v. If that limit does not exist (a whole line of such points leads to this one, or the series are too
+// short), it is the limit along the other coordinate. If both partials vanish and the two limits differ,
+// there is none. If the partials are parallel and the limits differ, the status is `crease`.
 template <std::floating_point S, class X, class PU, class PV>
 Limit<S> limit_at(const X& surface, const Jet2<S>& j, Status why, const PU& u, const PV& v) {
   const bool both = has(why, Status::dpdu_zero) && has(why, Status::dpdv_zero);

@@ -36,7 +36,8 @@ struct MapCostStages {
 struct MapCost {
   MapCostStages all;
   std::array<MapCostStages, vertex_class_names.size()> classes;  ///< by the lowest of a triangle's corners
-  /// Texels that triangles want in two ways, so that there is no one map: the last three stages are empty.
+  /// Texels to which triangles give different values, so that no single map exists: the last three stages are
+  /// empty.
   std::size_t conflicts = 0;
 };
 

@@ -13,9 +13,9 @@ namespace darboux {
 
 /// In the order in which a vertex is assigned: it belongs to the first that fits.
 enum class VertexClass : std::uint8_t {
-  pole,  ///< at a singular point of the chart
-  seam,  ///< at its position, with the same normal, lies another uv, or uv area of the other sign; or, where
-         ///< no other class fits, islands meet
+  pole,       ///< at a singular point of the chart
+  seam,       ///< with the same position and normal there is another uv, or uv area of the other sign; or uv
+              ///< islands meet, and no other class fits
   crease,     ///< another vertex at its position has another normal
   pole_ring,  ///< shares a triangle with a pole
   border,     ///< on an edge with one triangle

@@ -65,10 +65,10 @@ struct FrameMethod {
 };
 
 /// All of them:
-///   mikktspace             MikkTSpace to the bit (mikktspace.h), b = sign unit(n × t); a t that is not unit
-///                          is replaced by a fallback. Where dpdu is along n, t is what rounding leaves of it
-///                          across n, of any direction. Where no triangle served it is a fallback too, which
-///                          lies across n; the original's (1, 0, 0) need not
+///   mikktspace             MikkTSpace to the bit (mikktspace.h), b = sign unit(n × t). A t that is not unit
+///                          is replaced by a fallback. If no triangle serves the corner, t is a fallback
+///                          too; it lies across n, which the original's (1, 0, 0) need not. Where dpdu is
+///                          along n, t is the rounding error of its part across n, of any direction
 ///   mikktspace-bitangent   the same with its own b
 ///   face                   the 2x2 solve of each triangle, unit(T), unit(B), face normal
 ///   average                sums of T and B over a vertex's triangles (lengths included), Gram-Schmidt
@@ -86,11 +86,11 @@ struct FrameMethod {
 ///                          the truth among them
 ///
 /// `procrustes`, `quadratic` and `cubic` join vertices that agree in position, uv and normal, and keep
-/// triangles apart whose uvs wind differently. Where the vertices within two edges do not determine the
-/// polynomial, those within three and four are taken, then the next lower degree; neither depends on affine
-/// changes of the uvs. Of a vertex's neighbours all count; of those farther away about 128, and of a
-/// neighbour of more than 32 triangles only as many of these, spread evenly: the time is linear also where
-/// 10^5 triangles meet.
+/// triangles apart whose uvs wind differently. If the vertices within two edges do not determine the
+/// polynomial, those within three and four are taken, then the next lower degree. `quadratic` and `cubic` do
+/// not depend on affine changes of the uvs. All neighbours of a vertex count. Of the vertices farther away
+/// about 128 count, and of a neighbour with more than 32 triangles only 32 of its triangles, spread evenly.
+/// So the time is linear even where 10^5 triangles meet.
 std::span<const FrameMethod> frame_methods();
 
 /// \throws ParameterError listing the known names

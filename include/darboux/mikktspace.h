@@ -90,10 +90,10 @@ struct MikkTangent {
 ///
 /// t and b are unit and across the normal, or zero where their sum is, with these exceptions, which are the
 /// original's. Where p or q is along n to rounding, p' or q' is rounding: unit, of any direction, even along
-/// n. A vector to be made unit that is not zero, but has no component above 2^-75, has a square of 0: t or b
-/// gets infinities or NaN. With none above 2^-126 it is left as short as it is. With none above 2^-63 its
-/// square has few bits: t or b is 0.7 to 1.23 long. Each takes a normal or a direction some of whose
-/// components are not zero but 2^-36 or less of the others, or sums that cancel down to such.
+/// n. If a non-zero vector that is to be made unit has no component above 2^-75, its square is 0: t or b gets
+/// infinities or NaN. With no component above 2^-126 it is left as short as it is. With none above 2^-63 its
+/// square has few bits: t or b is 0.7 to 1.23 long. Each case needs a normal or direction with components
+/// that are not zero but at most 2^-36 of the others, or sums that cancel down to such vectors.
 ///
 /// The lengths are sum(angle |dpdu|) / sum(angle) and the same of dpdv, zero where the angles are, and never
 /// negative. Where |dpdu| or angle |dpdu| summed is beyond float's range, above 3.4e38, the length is
@@ -101,11 +101,11 @@ struct MikkTangent {
 /// single precision has it: of a uv area that cancels to rounding, up to 2^25 times too large.
 ///
 /// The sign is raw; glTF's w is its negative. The bits do not depend on the order of the vertices of an
-/// indexed mesh, nor on threads. Cost: linear in the triangles; quadratic in the number of those at one
-/// vertex whose directions are not all within 84 degrees of one of them, or with a threshold below 180, and
-/// in vertices that were made to have one hash. Memory beyond input and output: about 60 bytes per triangle
-/// where triangles share most vertices by index, 72 where the same vertices are equal instead, 120 where they
-/// share none; from half a megabyte on rounded up to pages of 2 MB.
+/// indexed mesh, nor on threads. Cost: linear in the triangles. It is quadratic in the triangles at one
+/// vertex if their directions are not all within 84 degrees of one of them, or if the threshold is below 180;
+/// and in vertices crafted to share one hash. Memory beyond input and output: about 60 bytes per triangle if
+/// triangles share most vertices by index, 72 if they share them by equal values instead, 120 if they share
+/// none; from half a megabyte on rounded up to pages of 2 MB.
 ///
 /// \param tangent4 x, y, z of t and the raw sign, four numbers per corner
 /// \throws MeshError for attributes of unequal length, faces of other than three or four corners, indices out

@@ -92,7 +92,7 @@ struct NormalMapOptions {
   std::function<void(double)> progress{};  ///< called with the share that is done, from any thread
 };
 
-/// A texel that two triangles want to be of another colour.
+/// A texel to which two triangles give different colours.
 struct MapConflict {
   int x = 0, y = 0;
   struct Owner {
@@ -131,17 +131,17 @@ struct NormalMapResult {
 
 /// Converts a map.
 ///
-/// Coverage: a texel belongs to the triangle that its centre lies in; of two that share the edge it lies on,
-/// to one. uvs, in texels, are rounded to multiples of 2^-32, the test is exact then. Where triangles
-/// overlap, the first one's texel is taken if the others' differ by at most one code (f32: 2/65535) in every
-/// channel; else the texel is a conflict, and no image is made.
+/// Coverage: a texel belongs to the triangle that contains its centre; if the centre lies on an edge of two
+/// triangles, to one of them. uvs, in texels, are rounded to multiples of 2^-32; then the test is exact.
+/// Where triangles overlap, the texel of the first is taken if the others differ from it by at most one code
+/// (f32: 2/65535) in every channel. Otherwise the texel is a conflict, and no image is made.
 ///
-/// Codes: the nearest to the number in double (within 2^-40 of a tie upward), number = (x + 1)/2 · most.
-/// Uncovered texels within `dilate` steps (to one of eight neighbours, across the edge of maps that repeat)
-/// get the codes of the nearest covered one.
+/// Codes: number = (x + 1)/2 · most in double, rounded to the nearest code (upward within 2^-40 of a tie).
+/// Uncovered texels within `dilate` steps get the codes of the nearest covered texel. A step goes to one of
+/// the eight neighbours, also across the edge of maps that repeat.
 ///
-/// There and back: with keep_length, and a map of codes of unit vectors, each channel returns within 1 code
-/// where frames are orthonormal, within ceil(0.87 c + 1/2) - 1 where a frame's condition is c:
+/// Round trip: with keep_length, and a map of codes of unit vectors, each channel comes back within 1 code if
+/// frames are orthonormal, and within ceil(0.87 c + 1/2) - 1 codes if a frame's condition is c:
 /// docs/theory/normal-maps.md.
 ///
 /// \param pieces with MapBasis::analytic they may be none: then all texels are covered, and lie on the

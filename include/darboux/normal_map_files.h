@@ -26,10 +26,10 @@ struct MapPieceOptions {
   bool world = false;
 };
 
-/// The primitives of a file that read_asset() reads. Of a glTF with the uv set, KHR_texture_transform,
-/// sampler and scale of the first texture that reads the tangent frame, the normal texture first: v runs
-/// down, and repeats unless the sampler says otherwise. A transform that maps the uvs onto a line or a point
-/// is not applied. Of other formats v runs up, and repeats.
+/// The primitives of a file that read_asset() reads. For glTF they have the uv set, KHR_texture_transform,
+/// sampler and scale of the first texture that reads the tangent frame, the normal texture first; v runs
+/// down, and the map repeats unless the sampler says otherwise. A transform that maps the uvs onto a line or
+/// a point is not applied. For other formats v runs up, and the map repeats.
 /// \throws FileError as read_asset(), where a number of `only` is not there, where `world` is wanted and
 /// nodes differ, and for a file without triangles
 std::vector<MapPiece> normal_map_pieces(const std::string& path, const MapPieceOptions& options = {});
@@ -41,7 +41,7 @@ struct NormalTexture {
   std::string file{};     ///< that the image names; empty where it is in the glTF or in a buffer
 };
 
-/// Of the primitives of a glTF those whose normal texture has an image. Reads the document alone.
+/// The primitives of a glTF whose normal texture has an image. Reads the JSON document only.
 /// \throws FileError
 std::vector<NormalTexture> normal_textures(const std::string& path, const ReadOptions& options = {});
 

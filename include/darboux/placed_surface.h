@@ -1,5 +1,5 @@
 /// \file placed_surface.h
-/// A surface where a mesh has it: placed in space, with what its stored uvs mean. Here truth meets mesh.
+/// A surface as a mesh has it: placed in space, with the meaning of the mesh's stored uvs.
 #pragma once
 
 #include <array>
@@ -35,8 +35,9 @@ struct Truth {
   Vec3<double> tangent;    ///< unit, along the derivative by the stored u; at a pole its limit for this uv
   Vec3<double> bitangent;  ///< unit, along the derivative by the stored v
   Status status;           ///< the surface's
-  /// The chart is singular here, or as near as roundings of uvs: where u or v is rounded to a quarter by less
-  /// than 1e-6, or where dpdu vanishes within 1e-6 of v, or within four roundings of uvs stored as floats.
+  /// The chart is singular here, up to rounding of the uvs: at (u, v) itself; or after coordinates within
+  /// 1e-6 of a multiple of 1/4 are rounded to it; or dpdu vanishes within 1e-6 in v, or within four roundings
+  /// of uvs stored as floats.
   bool pole;
   double normal_deg = 0;  ///< standard deviation of the angle of `normal`; zero: the surface is known exactly
   double tangent_deg = 0;  ///< of `tangent`

@@ -150,12 +150,13 @@ Vec3<S> limit_direction(const X& surface, const PU& u, const PV& v, S x, S y) {
 
 }  // namespace detail
 
-/// The orthonormal frame at (u, v) with its status. In closed form where the surface gives one (about 10 ns),
-/// else from the partials (about 90 ns). At a singular point of the chart it is the limit along the given u
-/// (or v), flagged limit_frame with the bit that says why (without a closed form: from the partials' series
-/// to third order, which takes 10 to 50 us where the second partials do not tell; a limit of higher order is
-/// not found); where none exists, and for NaN or infinite u, v or parameters, the vectors are NaN. Outside
-/// the domain the analytic extension is given: continuous through a pole, where dpdu = -|dpdu| t beyond it.
+/// The orthonormal frame at (u, v) with its status. In closed form if the surface has one (about 10 ns), else
+/// from the partials (about 90 ns). At a singular point of the chart it is the limit along the given u (or
+/// v), flagged limit_frame with the bit that says why. Without a closed form the limit comes from the
+/// partials' series to third order, which takes 10 to 50 us if the second partials do not suffice; a limit of
+/// higher order is not found. If there is no limit, or u, v or a parameter is NaN or infinite, the vectors
+/// are NaN. Outside the domain the frame is the analytic extension. It is continuous through a pole: beyond
+/// it dpdu = -|dpdu| t.
 template <ParametricSurface X, std::floating_point S>
 Frame<S> frame(const X& surface, S u, S v) {
   detail::assert_permitted(surface);

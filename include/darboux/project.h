@@ -24,21 +24,20 @@ struct Projection {
 /// What counts as the surface beyond [0, 1] of a linear coordinate.
 enum class Extent {
   patch,     ///< nothing: the foot may lie on the border
-  extended,  ///< its analytic extension: cylinder, cone and plane do not end. Where an end of the domain is a
-             ///< single point
-  ///< (a cone's apex, the middle of a disk) the surface ends all the same.
+  extended,  ///< its analytic extension: cylinder, cone and plane do not end. At an end of the domain that is
+             ///< a single point (a cone's apex, the middle of a disk) the surface ends all the same
 };
 
-/// Projects points onto one surface by Newton's method on half the squared distance in (u, v), its Hessian
-/// made positive definite and the step halved until the distance falls. [NocedalWright2006, sec. 3.4] The
-/// starts of a search are the local minima of a grid of 33 by 33 points on the patch, nearest first, but for
-/// those that cannot lead nearer than what is found; two feet nearer to each other than the grid resolves can
-/// be mistaken for one another. A step through a point where the chart collapses (a pole) goes on along the
-/// best of 16 directions. The foot is accurate to a few roundings of the surface's size and |p|, divided by 1
-/// - d κ of the nearer principal curvature; where that is zero (p in a focal point) convergence slows down
-/// and `converged` tells. Creases and points with infinite partials may stop it too. A linear coordinate that
-/// is extended is sought from the patch on. Immutable: threads may share one. Cost: about 10 us per search on
-/// a sphere, 1 us from a start beside the foot.
+/// Projects points onto one surface by Newton's method on half the squared distance in (u, v). The Hessian is
+/// made positive definite, and the step is halved until the distance falls. [NocedalWright2006, sec. 3.4] A
+/// search starts from the local minima of the distance on a grid of 33 by 33 points of the patch, nearest
+/// first; starts that cannot lead nearer than what is found are skipped. Two feet that are closer together
+/// than the grid resolves can be mistaken for one another. At a point where the chart collapses (a pole) a
+/// step continues in the best of 16 directions. The foot is accurate to a few roundings of the surface's size
+/// and |p|, divided by 1 - d κ of the nearer principal curvature. Where that is zero (p is a focal point)
+/// convergence slows down; `converged` tells whether it was reached. Creases and points with infinite
+/// partials may prevent it too. An extended linear coordinate is searched from the patch outward. Immutable:
+/// threads may share one. Cost: about 10 us per search on a sphere, 1 us from a start beside the foot.
 class Projector {
  public:
   explicit Projector(const AnySurface& surface, Extent extent = Extent::extended);

@@ -137,8 +137,8 @@ struct Reparametrised {
     return base.mean_curvature(pu, pv);
   }
 
-  /// Where the base is only piecewise smooth, for maps that keep coordinate lines coordinate lines; none for
-  /// others.
+  /// Where the base is only piecewise smooth, if the map takes coordinate lines to coordinate lines;
+  /// otherwise none.
   std::vector<double> breaks(int along) const requires requires(const X& x) { x.breaks(0); }
   {
     std::vector<double> result;

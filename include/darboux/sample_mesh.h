@@ -21,7 +21,7 @@ enum class MeshTopology {
   lantern,      ///< Schwarz's lantern: a grid in which every second row is turned by half a cell
 };
 
-/// Which u the vertices at a pole have: at an end of v that is one point.
+/// Which u the vertices at a pole have. A pole is an end of v that is one point.
 enum class PolePlacement {
   per_column,  ///< one vertex per column, u = i/n, as the rows have it: its triangle is askew in uv
   half_cell,   ///< one vertex per triangle, in the middle of its column, u = (i + 1/2)/n
@@ -35,8 +35,7 @@ struct SampleMeshOptions {
                                 ///< lantern; 3 along a shared periodic direction)
   int subdivisions = 8;         ///< icosphere and cube_sphere: segments per edge, at least 1, at most 2000
   PolePlacement pole = PolePlacement::per_column;
-  bool shared_seam =
-      false;  ///< vertices of a periodic direction are shared, their uv jumps back inside a triangle
+  bool shared_seam = false;  ///< the two sides of a seam share vertices: uvs jump back inside a triangle
   /// In [0, 0.5): interior vertices move by up to ± this share of a cell in u and in v, those on the fold of
   /// a mirrored mesh in v alone.
   double jitter = 0;
@@ -73,9 +72,9 @@ struct SampleMeshOptions {
 /// 1/2)/columns. On a cylinder of radius r and height h with m columns and n rows all triangles are
 /// congruent, and
 ///   area = 2 m n r sin(π/m) sqrt((h/n)² + r² (1 - cos(π/m))²)
-/// tends to the cylinder's 2πrh only where n/m² -> 0; at n = m² to 2πr sqrt(h² + π⁴r²/4). What is computed
-/// from the triangles does not converge there, the stored normals and tangents are the cylinder's all the
-/// same. [Schwarz1890]
+/// tends to the cylinder's 2πrh only if n/m² -> 0; for n = m² it tends to 2πr sqrt(h² + π⁴r²/4).
+/// There, quantities computed from the triangles do not converge. The stored normals and tangents are the
+/// cylinder's all the same. [Schwarz1890]
 ///
 /// shear: at its bound a float of u + K v keeps u to 2^-15.
 ///
@@ -98,8 +97,8 @@ struct SampleMeshOptions {
 /// the first one's. Such a triangle has vertices of its own: positions, normals and tangents stay those of
 /// the place, the uvs do not name it.
 ///
-/// \param dropped_cells of a grid: cells that are not whole because a triangle with a corner at infinity is
-/// left out, as at a pole of a formula, or because no triangle of them has area
+/// \param dropped_cells receives the number of incomplete cells of a grid: a triangle of the cell has a
+/// corner at infinity, as at a pole of a formula, and is left out; or no triangle of the cell has area
 ///
 /// Cost: linear in the triangles, three evaluations each and one per vertex. Options that a topology does not
 /// have are refused: pole, jitter, random_diagonals, grading, mirror for all but grid, shared_seam and a part

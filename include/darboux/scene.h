@@ -1,6 +1,6 @@
 /// \file scene.h
-/// Parametric surfaces as a camera sees them: which tiles of which instances are needed, how finely, and
-/// with which attributes; then those, and nothing else, by the batch kernels.
+/// Parametric surfaces as a camera sees them. A plan says which tiles of which instances are needed, how
+/// finely, and with which attributes; the batch kernels then evaluate these and nothing else.
 ///   const ScenePlan plan = plan_scene(scene, camera, request);
 ///   for_each_tile(scene, plan, [&](const TileSamples& tile) { draw(tile); });
 #pragma once
@@ -91,8 +91,8 @@ struct SceneRequest {
   struct Skip {
     bool unread_attributes = true;  ///< tangents of materials that read none
     bool outside_frustum = true, back_facing = true, below_error = true, duplicates = true;
-    /// Tiles that lie wholly behind opaque surface that is drawn. It takes about 30 us for each of up to 16
-    /// instances that are seen large, and 0.05 to 0.5 us for each in view, for fewer tiles to draw.
+    /// Tiles that lie wholly behind opaque surfaces that are drawn. The test takes about 30 us for each of up
+    /// to 16 instances that appear large, and 0.05 to 0.5 us for each instance in view.
     bool occluded = false;
     static constexpr Skip nothing() {
       return {.unread_attributes = false,
@@ -114,11 +114,11 @@ struct ScenePatch {
   std::uint16_t cells_u = 1, cells_v = 1;  ///< powers of two
   std::uint32_t column = 0, row = 0;       ///< of the tile
   Attributes attributes;
-  /// Of all plans of one ScenePlanner: patches of the same number have the same samples, which a caller may
-  /// keep.
+  /// Unique over all plans of one ScenePlanner: patches with the same id have the same samples, which a
+  /// caller may keep.
   std::uint64_t id = 0;
-  /// Samples that neighbours have on the edges v0, v1, u0, u1 and the corners of the cells have not: how
-  /// many, and where in ScenePlan::edge_coordinates they begin. Rising.
+  /// How many samples the neighbours have on the edges v0, v1, u0, u1 that are not corners of the cells here,
+  /// and where in ScenePlan::edge_coordinates they begin. In rising order.
   std::array<std::uint32_t, 4> edge_counts{};
   std::uint32_t first_edge_coordinate = 0;
   std::uint32_t first_tile = 0, tile_count = 0;  ///< in ScenePlan::tiles: those that it is the samples of
@@ -157,9 +157,10 @@ struct ScenePlan {
   std::uint64_t tiles_all = 0;         ///< of all instances at their finest resolution
   std::uint64_t tiles_needed = 0;      ///< all, less those skipped: patches and parts of meshes
   SkippedTiles skipped;
-  /// Of those needed, before duplicates and what is hidden: their resolution is an estimate from samples,
-  /// half as much again, next to poles, on surfaces without bounds, and without skip.below_error on those
-  /// without closed forms, or the finest there is, 2^14 cells along a side. Surfaces without bounds are never
+  /// Tiles needed whose resolution is not proven, counted before duplicates and hidden tiles are taken out.
+  /// Either it is estimated from samples and increased by half: next to poles, on surfaces without bounds
+  /// and, without skip.below_error, on surfaces without closed forms. Or it is limited to the finest there
+  /// is, 2^14 cells along a side. Parts of meshes count here if they move. Surfaces without bounds are never
   /// culled.
   std::uint64_t tiles_unbounded = 0;
   /// Every instance uniformly at the resolution of its nearest point; of meshes, their vertices.
@@ -178,12 +179,12 @@ struct ScenePlan {
 /// ask for more than 2^24 tiles in view, duplicates and what others hide included, or 2^18 of one surface
 ScenePlan plan_scene(const Scene& scene, const Camera& camera, const SceneRequest& request);
 
-/// The same for many cameras of a scene. Plans are those of plan_scene(), to the bit, but for the numbers of
-/// patches. Kept from one camera to the next are the bounds of surfaces' tiles, and what was decided for an
-/// instance as long as that provably stays the same: while the camera, of the same lens, has moved and turned
-/// by no more than the nearest of the instance's decisions is from being another. Memory: about 1 kB for each
-/// tile of a surface that a camera looked at, 110 bytes per instance and 40 more with skip.occluded, 16 for
-/// each answer about a tile of one in view, and the patches of the last plans.
+/// The same for many cameras of a scene. The plans are those of plan_scene(), to the bit, except for the ids
+/// of patches. The planner keeps the bounds of the surfaces' tiles. It also keeps the decisions for an
+/// instance while they provably hold: while the camera, with the same lens, has moved and turned too little
+/// to change any of them. Memory: about 1 kB for each tile of a surface that a camera looked at, 110 bytes
+/// per instance and 40 more with skip.occluded, 16 for each answer about a tile of an instance in view, and
+/// the patches of the last plans.
 class ScenePlanner {
  public:
   /// \param scene lives as long as this, and does not change
@@ -244,7 +245,7 @@ class TileSamples {
 class TileEvaluator {
  public:
   TileEvaluator(const Scene& scene, const ScenePlan& plan) : scene_(&scene), plan_(&plan) {}
-  /// \param options threads are not looked at
+  /// \param options options.threads is ignored
   const TileSamples& evaluate(const ScenePatch& patch, const EvaluateOptions& options = {});
 
  private:

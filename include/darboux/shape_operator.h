@@ -31,15 +31,14 @@ struct ShapeOperator {
 
 namespace detail {
 
-// Of the terms of a · b.
+// The sum of the sizes of the terms of a · b.
 template <class S>
 S terms_size(const Vec3<S>& a, const Vec3<S>& b) {
   using std::abs;
   return abs(a.x * b.x) + abs(a.y * b.y) + abs(a.z * b.z);
 }
 
-// Whether a product or quotient of something is so near to the end of the range that it has lost digits, or
-// is 0.
+// Whether a product or quotient of a non-zero number is so small that it has lost digits, or is 0.
 template <class S>
 auto underflows(const S& result, const S& of) {
   using std::abs;
@@ -108,12 +107,13 @@ S area_element(const ShapeOperator<S>& s) {
 
 namespace detail {
 
-// How many times its result the terms of a sum may be that is not taken again, in another way: of the
-// curvatures, and of what batches do not give.
+// A sum is computed again in another way if its terms exceed it by more than this factor: for curvatures, and
+// for quantities that batches do not give.
 inline constexpr double cancellation = 8, small_cancellation = 4;
-// The same where that costs some 50 us, and the sum is often small because its condition is large: K and H
-// that a surface does not state, and a surface of data instead of parameters, whose every number is as
-// uncertain as the terms; and of the difference of the principal curvatures, which fixes the directions.
+// The same where another way costs some 50 us and the sum is often small because its condition is large: for
+// K and H that a surface does not state, and for a surface of data instead of parameters, whose every number
+// is as uncertain as the terms. And the factor for the difference of the principal curvatures, which fixes
+// the directions.
 inline constexpr double large_cancellation = 0x1p12, cancellation_of_directions = 256;
 
 // A partial at a point, and its first and second derivative along y, from nested dual numbers over (x, y).
@@ -307,7 +307,7 @@ ShapeOperator<S> rounded_to(const ShapeOperator<Multiprecision>& s) {
   return {r(s.a),   r(s.m),      r(s.c),      r(s.e),      r(s.f),        r(s.g),       r(s.v_t),
           r(s.v_b), r(s.a_size), r(s.m_size), r(s.c_size), r(s.v_t_size), r(s.v_b_size)};
 }
-// Whether there is a shape operator that is no limit: see shape_operator below.
+// Whether the shape operator is a limit: see shape_operator below.
 inline bool is_limit(Status status) {
   constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
   return has(status, Status::limit_frame) && has(status, singular) && !has(status, Status::no_frame);
@@ -359,14 +359,14 @@ struct ShapeAt {
 
 }  // namespace detail
 
-/// The shape operator of a surface at (u, v), from a jet and frame of it at hand. Where they carry
-/// limit_frame (poles, collapsed edges) it is the limit, of derivatives to fourth order by nested dual
-/// numbers, within a few dozen roundings of its terms; so it is where a regular point is so close to one that
-/// terms leave the range of the scalar. Elsewhere it is that of the jet; where terms of that cancel, squares
-/// of first partials underflow, or terms leave the range beside a point without a limit, taken again in 40
-/// digits (see curvature()). NaN where there is none: at the apex of a cone and wherever else the curvature
-/// grows without bound, where d2pduv vanishes with dpdu, or where those derivatives do not exist. \param
-/// surface a surface type, or AnySurface
+/// The shape operator of a surface at (u, v), from its jet and frame there. If the frame is flagged
+/// limit_frame (poles, collapsed edges), it is the limit, from derivatives to fourth order by nested dual
+/// numbers, within a few dozen roundings of its terms. The same holds at a regular point so close to such a
+/// point that terms leave the range of the scalar. Elsewhere it is that of the jet. It is computed again in
+/// 40 digits if its terms cancel, if squares of first partials underflow, or if terms leave the range beside
+/// a point without a limit (see curvature()). NaN if there is none: at the apex of a cone and wherever else
+/// the curvature grows without bound; where d2pduv vanishes with dpdu; or where those derivatives do not
+/// exist. \param surface a surface type, or AnySurface
 template <class X, std::floating_point S>
 ShapeOperator<S> shape_operator(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   const detail::ShapeAt<S> at(surface, u, v, j, frame);
@@ -384,9 +384,9 @@ requires(detail::MixedCoordinates<U, V>&& std::is_class_v<X>)
   return shape_operator(surface, static_cast<double>(u), static_cast<double>(v));
 }
 
-/// The second form of a surface at (u, v), from a jet and frame of it at hand, within the bound of
-/// curvature.h. The plain one of forms.h loses digits where terms cancel; those this takes again in 40
-/// digits. \param surface a surface type, or AnySurface
+/// The second form of a surface at (u, v), from its jet and frame there, within the bound of curvature.h. The
+/// plain one of forms.h loses digits if terms cancel; this one is then computed again in 40 digits. \param
+/// surface a surface type, or AnySurface
 template <class X, std::floating_point S>
 SecondForm<S> second_form(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   const SecondForm<S> form = second_form(j, frame.n);

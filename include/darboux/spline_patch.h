@@ -183,8 +183,8 @@ concept HasNet = requires(const X& x, const typename X::scalar& t) {
   x.net(x.span_u(t), x.span_v(t));
 };
 
-// How many roundings, to the order, the first partials of a rational patch may err for that hu.a and hu.w p
-// cancel in them: 1 unless weights are so far apart that it may matter.
+// By how many roundings, in order of magnitude, the first partials of a rational patch may err because hu.a
+// and hu.w p cancel in them. 1 unless the weights are so far apart that this may matter.
 template <class Patch, class U, class V>
 auto partials_condition(const Patch& patch, const U& u, const V& v) {
   using S = std::remove_cvref_t<decltype(u.t)>;

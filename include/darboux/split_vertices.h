@@ -30,8 +30,8 @@ struct SplitVertices {
 ///
 /// Old vertices keep their place, source[i] = i for i < vertices, used or not. The values of a vertex's first
 /// corner stay with it; every further distinct list of values makes one new vertex, in the order of corners.
-/// So nothing changes where nothing differs. Values are told apart by their bits: 0 and -0 are two values, a
-/// NaN equals the NaN of the same bits.
+/// So nothing changes where nothing differs. Values are compared by their bits: 0 and -0 differ, and a NaN
+/// equals a NaN of the same bits.
 ///
 /// \param vertices how many there are \param corners the vertex of each corner: the old index buffer
 /// \param values the same number of values per corner, corner after corner: say x, y, z and w of its tangent,

@@ -1,6 +1,6 @@
 /// \file stability.h
-/// Numerical stability: errors in units of roundoff against what makes evaluation hard, route by route, each
-/// curve beside its bound and its condition. Target darboux::fit.
+/// Numerical stability: how errors, in units of roundoff, grow as a question gets harder. For each route
+/// there is a curve with its bound and its condition. Target darboux::fit.
 #pragma once
 
 #include <array>
@@ -86,25 +86,30 @@ std::span<const StabilityRoute> stability_routes();
 /// \throws ParameterError listing the known names
 const StabilityRoute& find_stability_route(std::string_view name);
 
-/// One error as x grows harder, with its bound and its condition, all in one unit.
-/// Of evaluation: in units of the route's roundoff, relative to the quantity's scale: of a partial its
-/// largest magnitude over the surface, or its own where that is larger; 1 of a frame; the quantity itself of
-/// curvatures and forms. Condition: how many times a relative change of all inputs it is. Of meshes: angles
-/// in units of half the step to which the data are rounded, between what a method makes of the rounded mesh
-/// and of the exact one; the bound is 16 times the condition, the size of what is rounded over the lowest
-/// altitude of a triangle. Of uvs, also where a method itself rounds them to float, the altitude is that in
-/// uv, and times the stretch: the ratio of the greatest to the least length in space of directions that are
-/// unit in uv. For methods that take normals that over the squared least cosine between a triangle and its
-/// normals; none is stated of polynomials through many vertices. In jitter and slivers angles to the truth in
-/// units of the mesh width, without a bound. Of fits: errors in units of the standard error that the fit
-/// states, the bound being 6; the condition is that standard error over the parameter, or in radians. Fits
-/// that are not usable say nothing.
+/// One error as x goes from easy to hard, with its bound and its condition, all in one unit.
+///
+/// Evaluation: the error is in units of the route's roundoff, relative to the scale of the quantity. The
+/// scale of a partial is its largest magnitude over the surface, or its own magnitude if that is larger; that
+/// of a frame is 1; that of curvatures and forms is the quantity itself. The condition is the relative change
+/// of the result over a relative change of all inputs.
+///
+/// Meshes: the error is the angle between what a method makes of the rounded mesh and of the exact mesh, in
+/// units of half the step to which the data are rounded. The bound is 16 times the condition. The condition
+/// is the size of what is rounded over the lowest altitude of a triangle. For uvs, also if a method itself
+/// rounds them to float, the altitude is that in uv, and the condition is multiplied by the stretch: the
+/// ratio of the greatest to the least length in space of directions that are unit in uv. For methods that
+/// take normals the condition is divided by the squared least cosine between a triangle and its normals. No
+/// bound is stated for polynomials through many vertices. In the sweeps jitter and slivers the error is the
+/// angle to the truth in units of the mesh width, without a bound.
+///
+/// Fits: the error is in units of the standard error that the fit states, and the bound is 6. The condition
+/// is that standard error over the parameter, or in radians. Fits that are not usable have no values.
 struct StabilityCurve {
   std::string surface;  ///< as AnySurface::specification() writes it
   std::string_view sweep, route, quantity;
   bool own;  ///< the route has a bound to keep
-  /// Of each x the point and member with the largest error / bound. Infinite errors: no number came. A bound
-  /// that is NaN: none is stated there.
+  /// For each x, those of the point and member with the largest error / bound. An infinite error: there was
+  /// no number. A NaN bound: none is stated there.
   std::vector<double> x, error_u, condition, bound_u;
   bool within_bound = true;
   struct Worst {

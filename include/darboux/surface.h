@@ -41,7 +41,7 @@ enum class Status : std::uint32_t {
   umbilic = 1u << 7,            ///< both principal curvatures are equal: principal directions are arbitrary
   outside_domain = 1u << 8,     ///< a non-periodic coordinate outside [0, 1]: the analytic extension is given
   non_finite_input = 1u << 9,   ///< u, v or a parameter is NaN or infinite: the vectors are NaN
-  overflow = 1u << 10,          ///< a position or partial exceeds the range of the scalar
+  overflow = 1u << 10,          ///< a position or partial is not finite: beyond the scalar's range, or NaN
   ill_conditioned = 1u << 11,   ///< the frame is made of partials and known to fewer than half the digits
 };
 constexpr Status operator|(Status a, Status b) {
@@ -297,17 +297,17 @@ constexpr bool curvature_in_lanes = [] {
 ///   std::string refusal()                 what is wrong with the parameters together, empty when nothing is
 ///   Frame<S> frame(u, v)                  a closed-form frame, with the limit at singular points
 ///   Status singular(u, v)                 the bits of Status that hold at this point
-///   Jet2<S> jet_to<order>(u, v)           jet(), the same bits, but partials beyond an order (0, 1, 2) may
-///                                         be anything: where they cost
-///   S partials_condition(u, v)            without a closed frame: how many times a rounding dpdu and dpdv
-///                                         may err, where that is cheap to say: see Status::ill_conditioned
+///   Jet2<S> jet_to<order>(u, v)           jet(), the same bits, but partials beyond the order (0, 1, 2) may
+///                                         be anything: for surfaces whose partials are costly
+///   S partials_condition(u, v)            without a closed frame: by how many roundings dpdu and dpdv may
+///                                         err, if that is cheap to tell: see Status::ill_conditioned
 ///   bool tangent_depends_on_u_alone()     whether t and handedness are the same at all v but the poles, with
-///                                         no status: where only they are asked for, batches then take no
+///                                         no status: batches that ask for nothing else then compute no
 ///                                         sines of v
-///   static constexpr int curve_along      where it is made of a curve: 0 that runs along u, 1 along v; and
-///   with_curve_at<order>(u or v)          the same surface where the curve is there, of which derivatives to
-///                                         an order are wanted: the curve is then evaluated once.
-///                                         A derived type that hides jet() or frame() hides these too
+///   static constexpr int curve_along      if it is made of a curve: 0 if that runs along u, 1 along v; with
+///   with_curve_at<order>(u or v)          the same surface, for points at this place only: its curve is
+///                                         evaluated once, with derivatives to that order. A derived type
+///                                         that hides jet() or frame() hides these two as well
 ///   static constexpr bool curvature_in_lanes  false where the next two facts cannot run over SIMD lanes
 /// and independent facts, at least one, each from another source than jet():
 ///   S implicit(Vec3<S>)                   the signed distance to first order: zero on the surface, its
@@ -428,12 +428,12 @@ auto rebind(const X& surface) {
 /// Throws the ParameterError of a surface whose parameters do not go together.
 [[noreturn]] void throw_refused(std::string_view subject, std::string_view why);
 
-/// The surface itself, checked: the one place where a parameter out of range is refused, by AnySurface and
-/// the command line too. The types of surfaces are plain structs that take any numbers, and evaluation never
-/// throws: of parameters out of range it gives what the formula gives, and in a program built without NDEBUG
-/// frame(), sample() and evaluate() end it with this message. Where they come from outside, say
-/// frame(checked(Torus{R, r}), u, v). \throws ParameterError naming surface and parameter, its range and its
-/// value
+/// Returns the surface itself, checked. This is the one place where parameters out of range are refused;
+/// AnySurface and the command line call it too. Surface types are plain structs that take any numbers, and
+/// evaluation never throws: for parameters out of range it gives what the formula gives. In a program built
+/// without NDEBUG, frame(), sample() and evaluate() end the program with this message, if all parameters are
+/// finite and of type double. For parameters from outside write frame(checked(Torus{R, r}), u, v). \throws
+/// ParameterError naming surface and parameter, its range and its value
 template <class X>
 const X& checked(const X& surface) {
   for_each_parameter<X>([&](const auto& p) {

@@ -86,15 +86,16 @@ TangentNeeds tangent_need(const std::string& path, NeedLevel level = NeedLevel::
 void count_splits(const std::string& path, TangentNeeds& needs, int threads = 1,
                   const ReadOptions& options = {});
 
-/// A primitive that had the TANGENT it needs, and has it no more, or has lost NORMAL, without which viewers
-/// ignore it. The pointers are into what dropped_tangents() was given.
+/// A primitive that had the TANGENT it needs and no longer has it; or that lost NORMAL, without which viewers
+/// ignore TANGENT. The pointers are into the arguments of dropped_tangents().
 struct DroppedTangents {
   const PrimitiveNeed *before, *after;
 };
 
-/// What a tool dropped wrongly between two files. Primitives are paired one to one: where the names of mesh
-/// and material and the number of triangles agree; of what is left where the first two do, then the last two,
-/// then the places in the file, then any. Of several that are alike, those with the same need. Cost: n log n.
+/// What a tool dropped wrongly between two files. Primitives are paired one to one: first those that agree in
+/// mesh name, material name and number of triangles; then, of those left, in the first two of these; then in
+/// the last two; then in the place in the file; then any. Of several equal candidates, those with the same
+/// need are paired. Cost: n log n.
 std::vector<DroppedTangents> dropped_tangents(const TangentNeeds& before, const TangentNeeds& after);
 
 }  // namespace darboux

@@ -16,6 +16,8 @@
 ///                   are parallel. What is narrower than 1/256 of a line may be missed
 ///   high_precision  the same formula in 40 digits; the frame by the cross product of its partials, the
 ///                   status by which of them vanish or are parallel
+///   high_precision_float
+///                   the same for evaluation in float
 ///   high_precision_forms
 ///                   curvatures, directions, derivatives of the normal, forms and Christoffel symbols of
 ///                   regular points against 40 digits; takes long, and runs only where it is named
@@ -44,8 +46,8 @@ struct CheckOptions {
   int points = 1000;                  ///< random (u, v), uniform in the unit square
   std::uint64_t seed = 1;             ///< of std::mt19937_64
   std::vector<std::string> routes{};  ///< only these; empty: all but high_precision_forms
-  /// high_precision only: the surface as given when 0, else this many random sets of parameters (log-uniform
-  /// over the magnitudes each is proven for), `points` points each
+  /// The high_precision routes only. 0: the surface as given. Otherwise this many random sets of parameters
+  /// (log-uniform over the magnitudes for which each parameter is proven), with `points` points each
   int parameter_sets = 0;
 };
 

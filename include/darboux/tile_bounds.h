@@ -91,15 +91,15 @@ struct ScaledSphere {
 }  // namespace tiles
 
 /// The bounds of one tile, in the surface's own space: transform the eye into it, not the tile. Sphere, torus
-/// (a ring), cylinder, cone, disk and plane have closed forms, attained over the tile, so that nothing
-/// tighter is true; of an ellipsoid, support and the sign of facing; construction takes 30 to 70 ns, each
-/// bound 4 to 35 ns. The rest of the catalogue runs on intervals with linear forms: bounds that the tile
-/// attains but for terms of second order in its size, so that small tiles have good ones, but where they
-/// touch a pole or hold a knot. Construction takes 1 to 7 us, of splines and what is made of them 20 to 50
-/// us; support and facing 0.1 to 0.25 us, rates 2 to 4 us. (One core of a virtual machine;
+/// (a ring), cylinder, cone, disk and plane have closed forms. The tile attains these bounds, so no tighter
+/// ones exist; for an ellipsoid this holds for support and the sign of facing. Construction takes 30 to 70
+/// ns, each bound 4 to 35 ns. The rest of the catalogue uses intervals with linear forms. The tile attains
+/// these bounds up to terms of second order in its size, so they are good for small tiles, unless a tile
+/// touches a pole or contains a knot. Construction takes 1 to 7 us, for splines and what is made of them 20
+/// to 50 us; support and facing 0.1 to 0.25 us, rates 2 to 4 us. (One core of a virtual machine;
 /// tests/benchmark/tile_bounds.cpp.) Extrusions, surfaces of revolution, ruled surfaces and tubes have bounds
-/// if their curves are those that enclose() in src/scene/enclosed.cpp lists: b-splines, circles, lines,
-/// helices. Surfaces from files and types of one's own are not known, and must not be culled.
+/// if their curves are among those that enclose() in src/scene/enclosed.cpp lists: b-splines, circles, lines,
+/// helices. Surfaces from files and user-defined types have no bounds, and must not be culled.
 class TileBounds {
  public:
   /// \param tile within the domain of the surface; where it is not, or something is not finite, nothing is
@@ -132,8 +132,8 @@ class TileBounds {
   /// The same for parallel rays: of n · towards_eye.
   double facing_along(const Vec3<double>& towards_eye) const;
 
-  /// How finely the tile must be sampled, all at once. Infinite of tiles with a crease within or at their
-  /// upper end, where the frame is that from above.
+  /// All rates that decide how finely the tile must be sampled. Infinite for tiles with a crease inside or at
+  /// their upper end, where the frame is the one from above.
   TileRates rates() const;
   /// An upper bound of the distance from the surface to the triangles of cells of size du × dv in the tile:
   /// rates().chord(du, dv).

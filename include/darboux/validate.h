@@ -139,11 +139,11 @@ struct MeshReport {
   std::optional<LocalReport> local;      ///< where it was asked for and there are uvs or normals
   std::optional<MikkReport> mikktspace;  ///< where it was asked for and there are tangents, normals and uvs
   std::vector<Finding> findings;         ///< errors first
-  /// Where ValidateOptions::keep_errors asks for them, three for each triangle: what `classes` has the
-  /// statistics of at that corner, the angle in degrees of the tangent, or of the normal where there are no
-  /// tangents. Where there is none, and the triangles alone say that the corner is in error, how far the
-  /// tangent lies outside their cone, or that the normal is more than 80 degrees from them. NaN where nothing
-  /// is compared.
+  /// Filled if ValidateOptions::keep_errors is set; three per triangle, in degrees. The angle at that corner
+  /// of which `classes` has the statistics: of the tangent, or of the normal if there are no tangents. If
+  /// there is no such angle and the triangles alone find the corner in error: how far the tangent lies
+  /// outside their cone; for a normal 80, as it is more than 80 degrees from them. NaN if nothing is
+  /// compared.
   std::vector<float> errors_deg;
   Verdict verdict = Verdict::undetermined;
   Verdict without_errors = Verdict::undetermined;  ///< what the verdict would be if no finding were an error
@@ -164,30 +164,32 @@ struct ValidateOptions {
   /// Other uv sets of the mesh, one uv per vertex, which its tangents may follow instead; the number names
   /// the set.
   std::span<const std::pair<int, std::vector<Vec2<double>>>> other_uvs{};
-  /// What w of the file's format means: the other convention is TANGENT_HANDEDNESS_CONVENTION or, where raw
-  /// is meant, BINORMAL_AGAINST_V.
+  /// The sign convention of the file's format. Tangents that follow the other one are reported as
+  /// TANGENT_HANDEDNESS_CONVENTION or, if the format's is raw, as BINORMAL_AGAINST_V.
   SignConvention sign = SignConvention::gltf;
   int threads = 1;           ///< 0: all; the report does not depend on it
   bool keep_errors = false;  ///< whether the report has errors_deg, 12 bytes per triangle
 };
 
 /// Assesses a mesh in its own space.
-/// Angles are atan2 angles of normalised vectors, tangents not projected. The bitangent is w·cross(n, t), n
-/// as stored, w corrected for the one sign convention found, against the derivative by the stored v.
+/// Angles are atan2 angles of normalised vectors. The statistics take tangents as stored; TANGENT_ANGLE
+/// judges the tangent made perpendicular to the stored normal. The bitangent is w·cross(n, t), with n as
+/// stored and w corrected for the one sign convention found, against the derivative by the stored v.
 /// Let s be the standard deviation of the truth. An angle is beyond its limit when it exceeds it by more than
 /// 3 s, within when it stays below it by more than 3 s, and undecided otherwise. So at most 0.14 % of fits
-/// call a correct angle wrong. Verdict: fail with any error finding; else nothing where there are no
-/// triangles, or neither tangents to judge nor normals; else pass where there are no tangents to judge, or
-/// the surface or the triangles judged some of them; else undetermined. Errors, one to a corner, the first
-/// that fits: TANGENT_NOT_FINITE, TANGENT_ZERO, TANGENT_NOT_UNIT (|1 - |t|²| > 0.0005),
-/// TANGENT_INVALID_SIGN, TANGENT_NOT_ORTHOGONAL (|t·n| > 0.26; a warning from 0.02), TANGENT_HANDEDNESS
-/// (against its uv island), TANGENT_ANGLE, NORMAL_NOT_FINITE, NORMAL_NOT_UNIT, NORMAL_ANGLE,
-/// POSITION_NOT_FINITE, UV_NOT_FINITE. Others: finding_kinds(). Where more than a fifth of the tangents are
-/// off, common causes are tested and reported as well (swapped axes, another uv set, a transform that skipped
-/// the tangents); this changes no error. Cost: linear in the corners; local_truth()'s 1 µs per vertex,
-/// MikkTSpace 0.3 µs per triangle. \param truth at each vertex; empty: the other references decide \throws
-/// MeshError when the mesh is inconsistent, or for another number of truths, or of uvs of a set, than
-/// vertices; ParameterError as chosen_instruction_set(), and for a max_angle_deg out of range
+/// call a correct angle wrong. Verdict: fail with any error finding; else nothing if there are no triangles,
+/// or neither tangents to judge nor normals; else pass if there are no tangents to judge, or the surface or
+/// the triangles judged some of them; else undetermined. Errors, one to a corner, the first that fits:
+/// TANGENT_NOT_FINITE, TANGENT_ZERO, TANGENT_NOT_UNIT (|1 - |t|²| > 0.0005, or above what the steps of
+/// quantised tangents explain, if that is more), TANGENT_INVALID_SIGN, TANGENT_NOT_ORTHOGONAL (|t·n| > 0.26;
+/// a warning from 0.02), TANGENT_HANDEDNESS (against its uv island), TANGENT_ANGLE, NORMAL_NOT_FINITE,
+/// NORMAL_NOT_UNIT, NORMAL_ANGLE, POSITION_NOT_FINITE, UV_NOT_FINITE. Others: finding_kinds(). If more than a
+/// fifth of the tangents are off, common causes are tested and reported as well (swapped axes, another uv
+/// set, a transform that skipped the tangents); this changes no error. Cost: linear in the corners;
+/// local_truth()'s 1 µs per vertex, MikkTSpace 0.3 µs per triangle. \param truth at each vertex; empty: the
+/// other references decide \throws MeshError when the mesh is inconsistent, or for another number of truths,
+/// or of uvs of a set, than vertices; ParameterError as chosen_instruction_set(), and for a max_angle_deg out
+/// of range
 MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const ValidateOptions& options = {});
 
 /// \param truth the surface the mesh was made from, known exactly; without one the other references decide

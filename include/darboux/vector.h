@@ -10,7 +10,7 @@
 #include <Eigen/Core>
 
 // The library's own structs hold Eigen's: they must be laid out, and freed, as it was compiled.
-#if EIGEN_MAX_ALIGN_BYTES != 16 || !EIGEN_MALLOC_ALREADY_ALIGNED
+#if EIGEN_MAX_ALIGN_BYTES != 16 || EIGEN_MAX_STATIC_ALIGN_BYTES != 16 || !EIGEN_MALLOC_ALREADY_ALIGNED
 #error "expected -DEIGEN_MAX_ALIGN_BYTES=16 -DEIGEN_MALLOC_ALREADY_ALIGNED=1, as CMake and pkg-config set"
 #endif
 
@@ -59,7 +59,7 @@ constexpr S dot(const Vec3<S>& a, const Vec3<S>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/// a × b, each component rounded as written. For nearly parallel vectors see frame.h's accurate_cross.
+/// a × b, each component rounded as written. For nearly parallel vectors see accurate_cross() below.
 template <class S>
 constexpr Vec3<S> cross(const Vec3<S>& a, const Vec3<S>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};

@@ -43,7 +43,7 @@ struct WorkMethod {
 };
 /// Of evaluation, in double and (-float) in float:
 ///   darboux-points, -baseline, -avx2, -avx512   evaluate() on every instruction set of this machine
-///   naive         the type's own formula at the C++ library's sines, cross product, division by lengths
+///   naive         the type's own formula with the C++ library's sines, cross product, division by lengths
 ///   dual          partials by dual numbers through the position
 ///   differences-2, -4, -6, -8                   central differences of the position
 /// in double only:
@@ -55,11 +55,11 @@ std::span<const WorkMethod> work_methods();
 /// The one of that name, else those of that family. \throws ParameterError listing the known names
 std::vector<const WorkMethod*> find_work_methods(std::string_view name);
 
-/// What can be set against what. Times: nanoseconds per point or corner, and seconds for all. Errors, the
-/// largest and the root mean square: angles to the truth in radians, of the orthonormal frame at points; on
-/// meshes of t to dpdu, b to dpdv, n to n by the stored uvs, over corners that are no pole's, where the
-/// method makes them; frame: the worst of t, b, n at a point, t on meshes. Partials and positions: relative
-/// to the longest of each, at points.
+/// The quantities that can be compared. Times: nanoseconds per point or corner, and seconds for all. Errors:
+/// the largest and the root mean square of angles to the truth, in radians. At points they are those of the
+/// orthonormal frame. On meshes they are the angles of t to dpdu, b to dpdv and n to n by the stored uvs,
+/// over corners that are not at poles, for the vectors that the method makes. frame: the worst of t, b, n at
+/// a point, t on meshes. Partials and positions: relative to the longest of each, at points.
 inline constexpr std::array<std::string_view, 12> work_metrics{
     "time_ns",    "seconds",    "tangent_max", "tangent_rms", "bitangent_max", "bitangent_rms",
     "normal_max", "normal_rms", "frame_max",   "frame_rms",   "partials_max",  "position_max"};
@@ -78,8 +78,9 @@ struct WorkSample {
   std::vector<double> rounds;                      ///< nanoseconds per point, of each round
   double time_low = 0, time_high = 0;              ///< their quartiles
   std::array<double, work_metrics.size()> metric;  ///< NaN: none; time_ns is the median of the rounds
-  /// Not dominated by any other, and not by any of its family: no other of the same surface and mesh family
-  /// is both at least as fast and as exact, and better in one of them (mark_fronts()).
+  /// on_front: no other sample of the same surface and mesh family dominates this one. best_of_family: none
+  /// of the same method family does. To dominate is to be at least as fast and as exact, and better in one of
+  /// the two (mark_fronts()).
   bool on_front = false, best_of_family = false;
 
   double operator[](std::string_view name) const { return metric[find_work_metric(name)]; }
@@ -134,9 +135,9 @@ void mark_fronts(std::vector<WorkSample>& samples, const WorkAxes& axes = {});
 
 /// How many times as long the second takes as the first, with the interval that covers the true ratio in 95 %
 /// of all cases: the median of all quotients of a round of the one and a round of the other, and the order
-/// statistics of these that the rank-sum test does not reject. Whatever the rounds' distribution, where they
-/// are independent and the second's is the first's, stretched. Three rounds or fewer of each give an infinite
-/// interval. [HodgesLehmann1963]
+/// statistics of these that the rank-sum test does not reject. This holds for any distribution of the rounds,
+/// if they are independent and the second distribution is the first one stretched. Three rounds or fewer of
+/// each give an infinite interval. [HodgesLehmann1963]
 struct TimeRatio {
   double ratio, low, high;
 };

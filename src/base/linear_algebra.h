@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace darboux {
 
@@ -52,5 +53,8 @@ struct SingularValues {
   Eigen::Matrix3d v;
 };
 SingularValues singular_value_decomposition(const Eigen::Matrix3d& a);
+
+// Whether this is a rotation and a translation, to four decimals: matrices come from files and command lines.
+bool is_rigid(const Eigen::Isometry3d& placement);
 
 }  // namespace darboux

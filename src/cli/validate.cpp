@@ -4,6 +4,7 @@
 #include <iostream>
 #include <optional>
 
+#include "base/linear_algebra.h"
 #include "base/parallel_jobs.h"
 #include "configuration.h"
 #include "validate_files.h"
@@ -36,10 +37,7 @@ Eigen::Isometry3d parse_placement(const std::string& text) {
   for (std::size_t k = 0; k < 16; ++k)
     placement.matrix()(static_cast<Eigen::Index>(k % 4), static_cast<Eigen::Index>(k / 4)) =
         parse_finite("--placement", parts[k]);
-  const Eigen::Matrix3d m = placement.linear();
-  const bool rigid = (m.transpose() * m - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-6 &&
-                     m.determinant() > 0 && placement.matrix().row(3) == Eigen::RowVector4d(0, 0, 0, 1);
-  if (!rigid)
+  if (!is_rigid(placement))
     throw ParameterError("--placement", expected_got("a rotation with a translation",
                                                      "a matrix that is not rigid with determinant +1"));
   return placement;

@@ -362,6 +362,10 @@ void check(const ConvergeOptions& o) {
                                       std::to_string(o.resolutions[i]) +
                                           (i == 0 ? "" : " after " + std::to_string(o.resolutions[i - 1]))));
   if (o.seeds < 1) throw ParameterError("seeds", expected_got("at least 1", std::to_string(o.seeds)));
+  if (std::count(o.families.begin(), o.families.end(), nullptr) > 0)
+    throw ParameterError("families", expected_got("pointers into mesh_families()", "a null pointer"));
+  if (std::count(o.methods.begin(), o.methods.end(), nullptr) > 0)
+    throw ParameterError("methods", expected_got("pointers into frame_methods()", "a null pointer"));
   for (const MeshFamily* family : o.families)
     if (family->topology != MeshTopology::grid || family->pole != PolePlacement::per_column)
       for (const AnySurface& surface : o.surfaces) try {
@@ -426,6 +430,9 @@ std::vector<LevelSample> run_converge_job(const ConvergeOptions& options, const 
 
 std::vector<Study> conclude_studies(const ConvergeOptions& options, const std::vector<ConvergeJob>& jobs,
                                     const std::vector<std::vector<LevelSample>>& of_job) {
+  if (of_job.size() != jobs.size())
+    throw ParameterError(
+        "of_job", expected_got("one per job, " + std::to_string(jobs.size()), std::to_string(of_job.size())));
   // By surface, family, method, class and quantity, in the order of the options.
   using Key = std::array<std::size_t, 5>;
   std::map<Key, Study> studies;

@@ -6,6 +6,8 @@
 #include <darboux/error.h>
 #include <darboux/scene.h>
 
+#include "base/linear_algebra.h"
+
 namespace darboux {
 namespace {
 
@@ -58,11 +60,8 @@ Camera between(const Camera& from, const Camera& to, double t) {
 }
 
 void Camera::check() const {
-  // Poses come from files, some in float32.
-  const Eigen::Matrix3d r = pose.linear();
   expect(pose.matrix().allFinite(), "camera pose", "finite numbers", "others");
-  expect((r.transpose() * r - Eigen::Matrix3d::Identity()).norm() < 1e-5 && r.determinant() > 0,
-         "camera pose", "a rotation", "a matrix that scales, shears or mirrors");
+  expect(is_rigid(pose), "camera pose", "a rotation", "a matrix that scales, shears or mirrors");
   expect(width_px >= 1 && height_px >= 1, "image size", "at least 1 x 1 pixel",
          std::to_string(width_px) + " x " + std::to_string(height_px));
   expect(std::isfinite(near_distance) && far_distance > near_distance, "camera", "near < far",

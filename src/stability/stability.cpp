@@ -100,8 +100,15 @@ std::array<double, 2> lengths(const Case& c, const std::array<double, 6>& scale,
          {scale[first] / scale[second], scale[second] / third[static_cast<std::size_t>(along)]})
       if (quotient > 0) turn = std::fmin(turn, 2 * std::numbers::pi * quotient);
     length = std::isfinite(turn) && turn > 0 ? std::exp2(std::floor(std::log2(turn) + 0.5)) : 1;
-    // No route's step is longer than an eighth of it.
-    length = std::fmin(length, 7.5 * c.to_a_break(static_cast<std::size_t>(along)));
+    // No route's step is longer than an eighth of it. What nearly is a line tells nothing of how far it goes
+    // on: no step leaves a whole domain behind.
+    const Vec2<double> corner = c.coordinates({0, 0});
+    const auto to = [&](const Vec2<double>& other) {
+      const Vec2<double> at = c.coordinates(other);
+      return std::fabs(along == 0 ? at.x - corner.x : at.y - corner.y);
+    };
+    const double domain = to({1, 0}) + to({0, 1});
+    length = std::fmin(length, 7.5 * std::fmin(domain, c.to_a_break(static_cast<std::size_t>(along))));
   }
   return result;
 }

@@ -15,11 +15,11 @@ namespace darboux {
 ///     B_i,p(u) = binomial(p, i) u^i (1 - u)^(p-i)
 /// by de Casteljau's recurrence on homogeneous points, derivatives from the hodographs. u runs along the
 /// first index of the control points, v along the second. n = dpdu × dpdv / |.|. Where an edge v = 0 or v =
-/// 1 is collapsed to a point, dpdu is exactly zero there (dpdu_zero), with several rows in one point dpdv
-/// too, and the frame is the limit along v; the same for u. Where dpdu and dpdv are parallel, parallel and
-/// the limit. Partials err by at most 8u (1 + condition) of their scale, u the unit roundoff and 2 (p + q)
-/// the size of the condition; a net far from the origin loses nothing but its own rounding. The scalar needs
-/// an order. [PieglTiller1997, ch. 1 and 4]
+/// 1 collapses to a point, dpdu is exactly zero (dpdu_zero) and the frame is the limit along v; if several
+/// rows lie in one point, dpdv is zero too. The same holds for u. Where dpdu and dpdv are parallel the status
+/// is parallel and the frame is the limit. Partials err by at most 8u (1 + condition) of their scale, u the
+/// unit roundoff; the condition is of the size 2 (p + q). A net far from the origin loses nothing but its own
+/// rounding. The scalar needs an order. [PieglTiller1997, ch. 1 and 4]
 template <class T = double>
 class BezierPatch {
  public:
@@ -49,7 +49,7 @@ class BezierPatch {
   int degree_u() const { return degree_u_; }
   int degree_v() const { return degree_v_; }
   const std::vector<Vec3<T>>& control_points() const { return control_points_; }
-  /// Up to a common power of two those given; empty where they are all equal.
+  /// The weights given, times a common power of two; empty if they are all equal.
   const std::vector<T>& weights() const { return weights_; }
 
   std::string refusal() const {
@@ -63,7 +63,7 @@ class BezierPatch {
   Jet2<S> jet(const S& u, const S& v) const {
     return jet_to<2>(u, v);
   }
-  /// Its partials to an order only, zero beyond it: the same bits.
+  /// jet() with its partials up to `order` only, to the same bits; zero beyond.
   template <int order, class S>
   Jet2<S> jet_to(const S& u, const S& v) const {
     return detail::patch_jet<order>(*this, span_u(u), span_v(v));

@@ -14,12 +14,13 @@ namespace darboux {
 ///   P(u, v) = Σ_ij w_ij P_ij N_i,p(u) N_j,q(v) / Σ_ij w_ij N_i,p(u) N_j,q(v)
 /// by de Boor's recurrence on homogeneous points, derivatives from the hodographs. u runs along the first
 /// index of the control points, v along the second; the knots are mapped to [0, 1]. n = dpdu × dpdv / |.|.
-/// At an interior knot of multiplicity p or more (degree 1: at each) the frame may jump: status crease, and
-/// the frame is that from above (right of the knot). Where an edge v = 0 or v = 1 with a knot of multiplicity
-/// q + 1 is collapsed to a point, dpdu is exactly zero there (dpdu_zero) and the frame is the limit along v;
-/// the same for u and dpdv. Where they are parallel, parallel and the limit. Beyond [0, 1] the end spans go
-/// on. Partials err by at most 8u (1 + condition) of their scale on the span, u the unit roundoff and 4 (p +
-/// q) the size of the condition. The scalar needs an order: the span is found from the value of u and v.
+/// At an interior knot of multiplicity p or more (degree 1: at each) the frame may jump. The status is crease
+/// then, and the frame is that from above (right of the knot). Where an edge v = 0 or v = 1 with a knot of
+/// multiplicity q + 1 collapses to a point, dpdu is exactly zero (dpdu_zero) and the frame is the limit along
+/// v; the same for u and dpdv. Where dpdu and dpdv are parallel the status is parallel and the frame is the
+/// limit. Beyond [0, 1] the end spans continue. Partials err by at most 8u (1 + condition) of their scale on
+/// the span, u the unit roundoff; the condition is of the size 4 (p + q). The scalar needs an order: the span
+/// is found from the value of u and v.
 /// [PieglTiller1997, ch. 4]
 template <class T = double>
 class BSplinePatch {
@@ -59,7 +60,7 @@ class BSplinePatch {
   int degree_u() const { return u_.degree(); }
   int degree_v() const { return v_.degree(); }
   const std::vector<Vec3<T>>& control_points() const { return control_points_; }
-  /// Up to a common power of two those given; empty where they are all equal.
+  /// The weights given, times a common power of two; empty if they are all equal.
   const std::vector<T>& weights() const { return weights_; }
 
   /// The interior knots along u (0) or v (1).
@@ -84,7 +85,7 @@ class BSplinePatch {
   Jet2<S> jet(const S& u, const S& v) const {
     return jet_to<2>(u, v);
   }
-  /// Its partials to an order only, zero beyond it: the same bits.
+  /// jet() with its partials up to `order` only, to the same bits; zero beyond.
   template <int order, class S>
   Jet2<S> jet_to(const S& u, const S& v) const {
     return detail::patch_jet<order>(*this, span_u(u), span_v(v));

@@ -9,11 +9,10 @@ namespace darboux {
 ///   P(u, v) = scale (s - s³/3 + s t², t - t³/3 + t s², s² - t²),   s = extent (2u - 1),
 ///     t = extent (2v - 1)
 /// n = (-2s, 2t, 1 - s² - t²) / (1 + s² + t²), +z at the centre. Regular everywhere; dpdu and dpdv are
-/// orthogonal and of one length. The points (s, t) and (-s, t) with s² = 3 + 3t² fall together, so do (s, t)
-/// and (s, -t) with t² = 3
-/// + 3s²: on these curves and beyond them, which an extent of sqrt 3 reaches, the status is
-/// self_intersecting. Frame components err by at most 4u times (1 + condition), u the unit roundoff, the
-/// condition being that of s and t in extent, u, v. [doCarmo2016, sec. 3-5]
+/// orthogonal and of equal length. The points (s, t) and (-s, t) with s² = 3 + 3t² coincide, and so do (s,
+/// t) and (s, -t) with t² = 3 + 3s². On these curves and beyond them the status is self_intersecting; they
+/// are reached from an extent of sqrt 3 on. Frame components err by at most 4u times (1 + condition), u the
+/// unit roundoff, the condition being that of s and t in extent, u, v. [doCarmo2016, sec. 3-5]
 template <class T = double>
 struct Enneper {
   T extent{1}, scale{1};

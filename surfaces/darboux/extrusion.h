@@ -15,13 +15,13 @@ namespace darboux {
 /// Extrusion of a curve along a direction (a general cylinder).
 ///   P(u, v) = K(u) + v d
 /// u runs along the curve, v from the curve (0) to its copy at d (1). n = K' × d / |.|: outward for a curve
-/// that runs counter-clockwise as seen from the tip of d. Where the curve stops (K' = 0) dpdu_zero, and the
-/// limit frame is from above (at u = 1 from below) by the first derivative that does not vanish; with crease
-/// where the curve turns round. At a corner of the curve crease, and the frame is that from above. Where d is
-/// tangent to the curve, parallel, and n is the limit by the first of K'' × d and the third derivative × d
-/// that does not vanish, with crease where it turns over. t errs by at most 2u (1 + condition), u the unit
-/// roundoff, the condition that of K'; n by that over the sine of the angle of K' and d. [doCarmo2016, sec.
-/// 3-3]
+/// that runs counter-clockwise as seen from the tip of d. Where the curve stops (K' = 0) the status is
+/// dpdu_zero; the frame is the limit from above (at u = 1 from below) by the first derivative that does not
+/// vanish, with crease where the curve turns back. At a corner of the curve the status is crease, and the
+/// frame is that from above. Where d is tangent to the curve the status is parallel; n is the limit by the
+/// first of K'' × d and the third derivative × d that does not vanish, with crease where n turns over. t
+/// errs by at most 2u (1 + condition), u the unit roundoff, the condition being that of K'; n errs by that
+/// over the sine of the angle between K' and d. [doCarmo2016, sec. 3-3]
 template <class Curve = BSplineCurve<double>>
 struct Extrusion {
   using scalar = typename Curve::scalar;

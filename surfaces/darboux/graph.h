@@ -49,8 +49,8 @@ struct RoundHill {
 /// Graph of a function over a rectangle.
 ///   P(u, v) = (x, y, f(x, y)),  x = (1 - u) x0 + u x1,  y = (1 - v) y0 + v y1
 /// u runs along x, v along y. n = (-f_x, -f_y, 1)/sqrt(1 + f_x² + f_y²) points up. Regular everywhere. The
-/// function is an object f(x, y) for any scalar; with a member jet(x, y) that returns a FunctionJet its
-/// derivatives are that, else they come from nested dual numbers, exact to rounding:
+/// function is an object f(x, y) for any scalar. Its derivatives come from a member jet(x, y) that returns a
+/// FunctionJet, if it has one, else from nested dual numbers, exact to rounding:
 ///   Graph surface{[](const auto& x, const auto& y) { return x * x - y * y; }, -1.0, 1.0, -1.0, 1.0};
 /// Exceptions of the function are passed on; where a derivative is NaN or infinite there is no frame
 /// (no_frame, overflow). Frame components err by at most 4u (1 + condition), u the unit roundoff, the

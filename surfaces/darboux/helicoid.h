@@ -8,12 +8,11 @@ namespace darboux {
 /// Right helicoid about the z axis, a minimal surface ruled by horizontal lines.
 ///   P(u, v) = (s cos x, s sin x, p x),   x = 2π turns u,   s = inner_radius + width v
 /// u climbs along the helices, v runs outward along the rulings; s may be negative (the other side of the
-/// axis). n =
-/// (-p sin x, p cos x, -s) / sqrt(s² + p²). Regular for p ≠ 0. For p = 0 it is the plane run over by a
-/// turning line, and dpdu vanishes where s = 0, the axis: n is -z where s > 0 and +z where s < 0, and on the
-/// axis the frame is the limit from s > 0 (from s < 0 where s = 0 is the outer end, inner_radius + width =
-/// 0); where the turning line passes both with s and -s the status is self_intersecting. Frame components err
-/// by at most 4u times (1 + condition), u the unit roundoff; the condition is that of x in turns · u and of s
+/// axis). n = (-p sin x, p cos x, -s) / sqrt(s² + p²). Regular for p ≠ 0. For p = 0 it is the plane swept
+/// by a rotating line. Then n is -z where s > 0 and +z where s < 0, and dpdu vanishes on the axis, s = 0.
+/// There the frame is the limit from s > 0 (from s < 0 if s = 0 is the outer end, inner_radius + width = 0).
+/// Where the line passes both with s and with -s the status is self_intersecting. Frame components err by at
+/// most 4u times (1 + condition), u the unit roundoff; the condition is that of x in turns · u and of s
 /// where inner_radius and width v cancel. [doCarmo2016, sec. 3-5]
 template <class T = double>
 struct Helicoid {

@@ -98,8 +98,8 @@ struct KleinBottle {
 
   /// f / |grad f| with f = b² - 4 a² (1 - a²), Gerono's equation of the figure 8, in which r (a, b) is the
   /// point in the half-plane of the axis turned back by half its azimuth; 0 on the double circle, where the
-  /// gradient is too. Where the figures cross the axis (R < 1.25 r) also for those of the other side,
-  /// whichever is nearer.
+  /// gradient vanishes too. If the figures cross the axis (R < 1.25 r), the value for the figure of the other
+  /// side is taken where that is nearer.
   template <class S>
   S implicit(const Vec3<S>& p) const {
     using std::abs;

@@ -16,13 +16,13 @@ namespace darboux {
 /// u runs round the axis, v along the tractrix, upwards. With e_r, e_t, e_z of cylindrical coordinates
 ///   n = ± (a cos w e_r + b e_t - a sin w e_z) / sqrt(a² + b²),
 ///     t = (a sin w e_t + b e_z) / sqrt(a² sin² w + b²)
-/// + (away from the axis) for w < π/2, - for w > π/2: dpdv vanishes on the cuspidal edge w = π/2 and points
-/// away from the axis before it, towards the axis beyond it. On the edge the status is dpdv_zero and crease,
-/// as n jumps to its opposite, and the frame is the limit from w < π/2 (from w > π/2 where the surface begins
-/// at the edge). π/2 is no floating-point number: the edge is where cos w rounds to 0. Outside of the domain,
-/// where the tractrix ends at infinity (w a multiple of π) and b = 0, the status is dpdu_zero and t the
-/// limit. Frame components err by at most 4u times (1 + condition), u the unit roundoff; the condition is
-/// that of x and w in their inputs. [Gray2006]
+/// The sign is + for w < π/2 and - for w > π/2, so that n leans away from the axis on both sides of the
+/// cuspidal edge w = π/2. dpdv vanishes on this edge; it points away from the axis before it and towards the
+/// axis beyond it. On the edge the status is dpdv_zero and crease, as n jumps to its opposite; the frame is
+/// the limit from w < π/2 (from w > π/2 if the surface begins at the edge). π/2 is no floating-point
+/// number: the edge is where cos w rounds to 0. Outside the domain, where the tractrix ends at infinity (w a
+/// multiple of π) and b = 0, the status is dpdu_zero and t is the limit. Frame components err by at most 4u
+/// times (1 + condition), u the unit roundoff; the condition is that of x and w in their inputs. [Gray2006]
 template <class T = double>
 struct Pseudosphere {
   T radius{1}, pitch{0}, turns{1}, w0{T(0.1)}, w1{T(1.5)};

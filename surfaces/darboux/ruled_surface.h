@@ -15,12 +15,11 @@ namespace darboux {
 
 /// Ruled surface between two curves.
 ///   P(u, v) = (1 - v) A(u) + v B(u)
-/// u runs along both curves, which have parameters of one kind, v from A (0) to B (1) on straight lines. n =
-/// dpdu × dpdv /
-/// |.|. Where dpdu = (1 - v) A' + v B' vanishes (the tip of a cone, v = 0 if A is a point) dpdu_zero; where A
-/// and B meet dpdv_zero; where dpdu and dpdv are parallel (the edge of a tangent developable) parallel, and n
-/// is the limit along v. At a corner of a curve crease, and the frame is that from above. The frame is that
-/// of the partials. [doCarmo2016, sec. 3-5]
+/// u runs along both curves, whose parameters are of one kind, v from A (0) to B (1) on straight lines. n =
+/// dpdu × dpdv / |.|. The frame is that of the partials. Where dpdu = (1 - v) A' + v B' vanishes (the tip of
+/// a cone, v = 0 if A is a point) the status is dpdu_zero; where A and B meet it is dpdv_zero. Where dpdu and
+/// dpdv are parallel (the edge of a tangent developable) it is parallel, and n is the limit along v. At a
+/// corner of a curve it is crease, and the frame is that from above. [doCarmo2016, sec. 3-5]
 template <class CurveA = LineSegment<double>, class CurveB = HelixCurve<typename CurveA::scalar>>
 struct RuledSurface {
   static_assert(CurveA::kind == CurveB::kind, "both curves must have parameters of one kind");

@@ -15,8 +15,8 @@ namespace darboux {
 /// n points outward,
 ///   t ∝ (-a f(S; 2 - e2), b f(C; 2 - e2), 0),
 ///   n ∝ (|sin πv|^(2 - e1) f(C; 2 - e2) / a, |sin πv|^(2 - e1) f(S; 2 - e2) / b, -f(cos πv; 2 - e1) / c)
-/// which for exponents below 2 is continuous at every point but in t at the poles, whatever becomes of the
-/// partials:
+/// For exponents below 2 this frame is continuous everywhere, except t at the poles, whatever the partials
+/// do:
 ///   poles v = 0, 1: dpdu_zero; the frame is the limit along the meridian of the given u
 ///   e1 > 1: dpdv_zero at the poles and at the equator cos πv = 0; e1 < 1: dpdv is infinite there (overflow)
 ///   e2 > 1: dpdu_zero where C or S is 0; e2 < 1: dpdu is infinite there (overflow)

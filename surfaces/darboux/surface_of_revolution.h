@@ -16,13 +16,14 @@ namespace darboux {
 /// The profile is a curve in the xz plane: its x is ρ, its z is z, its y must be 0. u runs round the axis in
 /// turns, v along the profile.
 ///   n = (z' cos 2πu, z' sin 2πu, -ρ')/sqrt(ρ'² + z'²)
-/// is outward where z' > 0. Where the profile is beyond the axis (ρ < 0) t and n are both the opposite, as
-/// the cross product has them. Where ρ = 0 dpdu vanishes: dpdu_zero, and the frame is the limit from above
-/// (at v = 1 from below) at the given u, t = ±(-sin 2πu, cos 2πu, 0); with crease where the profile
-/// crosses the axis. Where the profile stops (ρ' = z' = 0) dpdv_zero, and the limit is from the same side by
-/// the first derivative that does not vanish; with crease where the profile turns round there. At a corner of
-/// the profile crease, and the frame is that from above. Frame components err by at most 4u (1 + condition),
-/// u the unit roundoff, the condition that of the profile's derivatives. [doCarmo2016, sec. 2-3 and 3-3]
+/// points outward where z' > 0. Where the profile is beyond the axis (ρ < 0), t and n are both reversed, as
+/// by the cross product. Where ρ = 0, dpdu vanishes (dpdu_zero); the frame is the limit from above (at v = 1
+/// from below) at the given u, t = ±(-sin 2πu, cos 2πu, 0), with crease where the profile crosses the
+/// axis. Where the profile stops (ρ' = z' = 0) the status is dpdv_zero; the frame is the limit from the same
+/// side by the first derivative that does not vanish, with crease where the profile turns back. At a corner
+/// of the profile the status is crease, and the frame is that from above. Frame components err by at most 4u
+/// (1 + condition), u the unit roundoff, the condition being that of the profile's derivatives. [doCarmo2016,
+/// sec. 2-3 and 3-3]
 template <class Curve = BSplineCurve<double>>
 struct SurfaceOfRevolution {
   using scalar = typename Curve::scalar;

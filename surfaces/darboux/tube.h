@@ -20,11 +20,11 @@ namespace darboux {
 /// any planar curve; for a curve in space UprightCurve (closed form) or RotationMinimisingCurve (with the
 /// error it states). With Frenet's frame and κ the curve's curvature, dpdu = speed (1 - r κ cos 2πv) T + r
 /// twist (sin 2πv N + cos 2πv B). Where r κ cos 2πv = 1 the tube reaches its focal curve: dpdu is zero
-/// (dpdu_zero, no torsion there) or parallel to dpdv (parallel), the frame is the limit from outside. Beyond,
-/// at r κ cos 2πv > 1, the status is self_intersecting, n stays and the handedness is -1. Turns of the tube
-/// that meet without that are not noticed. Where the curve's speed is zero there is no frame. Frame
-/// components err by at most 8u (1 + condition), u the unit roundoff; the condition is that of 1 - r κ cos
-/// 2πv and, for a helix, 2π turns u. [doCarmo2016, sec. 2-4, exercise 10]
+/// (dpdu_zero, without torsion there) or parallel to dpdv (parallel), and the frame is the limit from
+/// outside. Beyond it, where r κ cos 2πv > 1, the status is self_intersecting, n stays the same and the
+/// handedness is -1. Other contacts between turns of the tube are not detected. Where the curve's speed is
+/// zero there is no frame. Frame components err by at most 8u (1 + condition), u the unit roundoff; the
+/// condition is that of 1 - r κ cos 2πv and, for a helix, 2π turns u. [doCarmo2016, sec. 2-4, exercise 10]
 template <class Curve = HelixCurve<double>>
 struct Tube {
   using scalar = typename Curve::scalar;

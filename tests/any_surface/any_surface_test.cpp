@@ -160,6 +160,7 @@ TEST(HeldSurface, AnswersAsTheTypeItself) {
       const double u = random.uniform(), v = random.uniform();
       EXPECT_TRUE(same(any.jet(u, v).d2pduv, jet(surface, u, v).d2pduv));
       EXPECT_TRUE(same(any.frame(u, v).b, frame(surface, u, v).b));
+      EXPECT_EQ(any.status(u, v), frame(surface, u, v).status);
       EXPECT_TRUE(same(any.parametric_frame(u, v).b, parametric_frame(surface, u, v).b));
       EXPECT_EQ(any.sample(u, v).frame.status, sample(surface, u, v).frame.status);
       const Vec3<Multiprecision> exact = any.jet(Multiprecision(u), Multiprecision(v)).position;

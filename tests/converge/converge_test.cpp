@@ -457,6 +457,14 @@ TEST(Converge, RefusesWhatItCannotDo) {
     EXPECT_THROW(converge(o), ParameterError);
   }
   EXPECT_THROW(find_mesh_family("wavy"), ParameterError);
+  o = options("torus", {"regular"}, {"face"});
+  const std::vector<ConvergeJob> jobs = converge_jobs(o);
+  EXPECT_THROW(conclude_studies(o, jobs, {}), ParameterError);
+  o.methods.push_back(nullptr);
+  EXPECT_THROW(converge(o), ParameterError);
+  o.methods.clear();
+  o.families.push_back(nullptr);
+  EXPECT_THROW(converge(o), ParameterError);
 }
 
 // A surface that is nobody's catalogue entry.

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <darboux/compare.h>
+#include <darboux/error.h>
 #include <darboux/sample_mesh.h>
 
 #include "refusal_of.h"
@@ -568,6 +569,8 @@ TEST(PairMeshes, EmptyAndPointlikePiecesHaveNoDistance) {
   EXPECT_EQ(pair_meshes(a.list, b.list).pairs, (Pairs{{0, 1}, {1, 0}}));
   for (auto& x : b.meshes[1].positions) x = {nan, 2, 3};
   EXPECT_EQ(pair_meshes(a.list, b.list).pairs.size(), 2u);
+  b.list[1].data = nullptr;
+  EXPECT_THROW(pair_meshes(a.list, b.list), MeshError);
 }
 
 }  // namespace

@@ -248,6 +248,7 @@ TEST(Stability, BoundsHoldAtOtherParameters) {
       {made("plane", {3.323, 0.1847}), {"uv_quantisation"}},
       {made("torus", {1, 0.01}), {"uv_quantisation"}},
       {made("ellipsoid", {1, 10, 0.1}), {"coverage"}},
+      {made("one-sheet-hyperboloid", {1, 20, 0.05}), {"seam_distance", "uv_scale"}},
       {made("cone", {5.792, 0.141}), {"outliers"}}};
   for (const auto& [surface, sweeps] : cases) {
     StabilityOptions options = everything({surface});

@@ -4,17 +4,14 @@
 
 #include <darboux/error.h>
 
+#include "base/linear_algebra.h"
 #include "base/text.h"
 #include "kinds.h"
 
 namespace darboux::fit {
 
 void check_placement(const std::optional<Eigen::Isometry3d>& placement) {
-  if (!placement) return;
-  const Eigen::Matrix3d r = placement->linear();
-  constexpr double written = 1e-4;  // in five decimals
-  if (!placement->matrix().allFinite() || placement->matrix().row(3) != Eigen::RowVector4d(0, 0, 0, 1) ||
-      !((r.transpose() * r - Eigen::Matrix3d::Identity()).norm() < written && r.determinant() > 0))
+  if (placement && !is_rigid(*placement))
     throw ParameterError("placement", "expected a rotation and a translation, got another matrix");
 }
 
