@@ -26,7 +26,7 @@ struct Following {
 // \param own what is known of the mesh but for its uvs
 Following following(const Mesh& mesh, std::span<const signed char> raw_sign, const MeshUnderTest& own,
                     double max_angle_deg) {
-  const Cones cones(mesh, raw_sign, own.has_area, own.joins,
+  const Cones cones(mesh, raw_sign, own.has_area, own.joins, {},
                     std::vector<double>(mesh.positions.size(), max_angle_deg), max_angle_deg);
   std::size_t within = 0, compared = 0, with_angle = 0;
   std::ptrdiff_t gltf_signs = 0;

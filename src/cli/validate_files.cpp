@@ -307,6 +307,10 @@ void assess_file(AssessedFile& file, const AssessOptions& options, const Policy&
         of_mesh.try_emplace(primitive.mesh, primitive.instances)
             .first->second.add_to(assessments.front().report);
         add(assessments.front().report, finding(Code::indices_left_over, primitive.leftover_indices));
+        if (primitive.missing_texcoord)
+          add(assessments.front().report,
+              finding(Code::uv_set_missing, primitive.data.corners(),
+                      ": TEXCOORD_" + std::to_string(*primitive.missing_texcoord)));
         if (assessments.front().report.verdict != Verdict::nothing)
           add(assessments.front().report, finding(Code::morph_targets_not_judged, primitive.morph_targets));
         std::vector<AssessedMapCost> costs;

@@ -117,6 +117,7 @@ void choose_uvs(const GltfFile& file, const JsonCursor& place, Primitive& primit
     primitive.names_uv_set = space.names && set == space.texcoord;
     if (primitive.names_uv_set) primitive.texture_transform = space.transform;
   }
+  if (space.names && !primitive.names_uv_set) primitive.missing_texcoord = space.texcoord;
 }
 
 /// The others that stored tangents may follow.

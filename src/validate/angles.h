@@ -20,6 +20,10 @@ inline Vec3<double> square_to(const Vec3<double>& a, const Vec3<double>& n) {
   return a - (dot(a, n) / dot(n, n)) * n;
 }
 
+inline bool has_direction(const Vec3<double>& a) {
+  return detail::finite(a) && !(a == Vec3<double>{});
+}
+
 // Degrees between what is stored and a truth; negative where there is nothing to compare.
 struct Angles {
   double normal = -1, tangent = -1, bitangent = -1;

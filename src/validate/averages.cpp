@@ -1,5 +1,7 @@
 #include "averages.h"
 
+#include "normal_cones.h"
+
 namespace darboux {
 
 Averages::Averages(const MeshUnderTest& under_test, const Accurate& accurate,

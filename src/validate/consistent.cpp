@@ -21,8 +21,8 @@ namespace {
 
 constexpr double one_sided = 3;            // times the limit
 constexpr double most_turned_on_deg = 45;  // from the next triangles to a border
+constexpr double most_lean_deg = 45;
 constexpr double uniform_deg = 0.1;
-constexpr double average_deg = 1;  // from a common average of triangles' normals
 // Normals at one place that count as one. assimp's dot product is 0.9999.
 constexpr double alike_deg = 0.9;
 
@@ -63,10 +63,6 @@ std::array<Vec3<double>, 3> positions_of(const Mesh& mesh, const Triangle& t) {
 }
 std::array<Vec2<double>, 3> uvs_of(const Mesh& mesh, const Triangle& t) {
   return {mesh.uvs[t[0]], mesh.uvs[t[1]], mesh.uvs[t[2]]};
-}
-
-bool has_direction(const Vec3<double>& a) {
-  return detail::finite(a) && !(a == Vec3<double>{});
 }
 
 // An arc of directions in a plane, radians.
@@ -186,6 +182,7 @@ class Closely {
     std::optional<Arc> cone;  // of their directions, from x to y; nothing: they have none
     double widest = 0;        // half of the widest of them
     double normals_turn = 0;  // from the normal to others of its triangles, the most
+    double lean = 0;          // by which another projection may turn one of them, the most
     double pole_turn = 0;     // where an edge of the uvs is collapsed, half of the widest angle of a triangle
     bool closed = false;      // the triangles go all round the vertex, and their charts go on
     bool uncertain = false;   // a triangle tells no direction, and may have drawn the tangent anywhere
@@ -240,6 +237,7 @@ class Closely {
     rim_.clear();
     fan_.clear();
     uncertain_ = false;
+    lean_ = 0;
     x_ = result.x, y_ = result.y, n_ = n;
     for (auto c = at.first; c != at.last; ++c) {
       const Triangle& triangle = mesh_.triangles[c->triangle];
@@ -259,6 +257,7 @@ class Closely {
     result.closed = goes_all_round();
     if (!is_collapsed_edge()) result.pole_turn = 0;
     result.uncertain = uncertain_;
+    result.lean = lean_;
     if (!arcs_.empty()) result.cone = hull(arcs_);
     return result;
   }
@@ -266,6 +265,7 @@ class Closely {
   // Whether the true direction may be so far outside of the cone, as the triangles lie on one side.
   bool is_left_open(std::uint32_t v, int sign, const Directions& directions, const Arc& cone, double outside,
                     double limit_deg) {
+    if (outside <= limit_deg + std::fmin(most_lean_deg, degrees_per_radian * directions.lean)) return true;
     if (directions.pole_turn > 0 && outside <= limit_deg + degrees_per_radian * directions.pole_turn)
       return true;
     if (directions.closed) return false;
@@ -430,6 +430,7 @@ class Closely {
       return;
     }
     arcs_.push_back({std::atan2(y, x), std::asin(error / length)});
+    lean_ = std::fmax(lean_, std::asin(std::fmin(1, std::fabs(dot(t, n_)) / length)));
   }
 
   double uv_area2(const Triangle& t) const {
@@ -514,7 +515,21 @@ class Closely {
   std::vector<Spoke> rim_;  // the edges at the vertex, twice each where the triangles go all round
   std::vector<Spoke> fan_;  // the same, and those of other normals
   bool uncertain_ = false;
+  double lean_ = 0;
 };
+
+// Whether the tangent is MikkTSpace's, though the triangles may not show it: one edge-on to the normal has a
+// weight that roundings make.
+bool is_mikktspaces(const Mesh& mesh, std::uint32_t v, int sign, const MikktspaceReference& mikktspace,
+                    double limit_deg) {
+  if (mikktspace.empty()) return false;
+  const Vec4<float>& m = mikktspace.of_vertex(v);
+  if (!(m.w * static_cast<float>(sign) > 0)) return false;
+  const Vec3<double>& n = mesh.normals[v];
+  const Vec3<double> to{m.x, m.y, m.z};
+  return degrees_per_radian * angle_between(square_to(mesh.tangents[v].xyz(), n), square_to(to, n)) <=
+         limit_deg;
+}
 
 }  // namespace
 
@@ -523,7 +538,8 @@ Vec3<double> direction_of_dpdu(const Mesh& mesh, const Triangle& t, int sign) {
 }
 
 Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std::vector<bool>& has_area,
-             const VertexJoins& joins, std::span<const double> limit_deg, double max_angle_deg) {
+             const VertexJoins& joins, const MikktspaceReference& mikktspace,
+             std::span<const double> limit_deg, double max_angle_deg) {
   const std::size_t n = mesh.positions.size();
   claims_.assign(2 * n, Claim::none);
   std::vector<bool> asked(2 * n, false), vertices(n, false);
@@ -560,6 +576,7 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
     for (const int sign : {-1, 1}) {
       const std::size_t place = place_of(v, sign);
       if (!asked[place] || claims_[place] == Claim::within) continue;
+      if (is_mikktspaces(mesh, v, sign, mikktspace, limit_deg[v])) continue;
       const auto [claim, left] = closely.assess(v, sign, limit_deg[v]);
       claims_[place] = claim;
       if (left)
@@ -611,39 +628,6 @@ OwnDirections own_directions(const Mesh& mesh, std::span<const signed char> raw_
       result.average[place_of(v, sign)] = average;
       result.all_round[place_of(v, sign)] = all_round;
     }
-  return result;
-}
-
-std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins,
-                                      const std::vector<bool>& vertices) {
-  const std::size_t n = mesh.positions.size();
-  constexpr std::uint32_t none = ~0U;
-  std::vector<std::uint32_t> sum_of_group(n, none);
-  using Sums = std::array<Vec3<double>, 5>;  // each alike, by area, by angle, by both, and as [Max1999] does
-  std::vector<Sums> sums;
-  for (std::uint32_t v = 0; v < n; ++v)
-    if (std::uint32_t& sum = sum_of_group[joins.position_and_normal[v]]; vertices[v] && sum == none) {
-      sum = static_cast<std::uint32_t>(sums.size());
-      sums.push_back({});
-    }
-  for (const Triangle& t : mesh.triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t sum = sum_of_group[joins.position_and_normal[t[k]]];
-      if (sum == none) continue;
-      const Vec3<double>&p = mesh.positions[t[k]], a = mesh.positions[t[(k + 1) % 3]] - p,
-            b = mesh.positions[t[(k + 2) % 3]] - p;
-      const Vec3<double> twice_area = accurate_cross(a, b), plane = unit(twice_area);
-      if (!has_direction(plane)) continue;
-      const double angle = angle_between(a, b);
-      Sums& s = sums[sum];
-      s[0] += plane, s[1] += twice_area, s[2] += angle * plane, s[3] += angle * twice_area;
-      s[4] += twice_area / (dot(a, a) * dot(b, b));
-    }
-  std::vector<bool> result = lie_in_normal_cones(mesh, joins, vertices);
-  for (std::uint32_t v = 0; v < n; ++v)
-    if (vertices[v])
-      for (const Vec3<double>& sum : sums[sum_of_group[joins.position_and_normal[v]]])
-        if (angle_between(mesh.normals[v], sum) <= average_deg / degrees_per_radian) result[v] = true;
   return result;
 }
 

@@ -19,12 +19,15 @@
 // outside by no more than the limit and half of what the next triangles turn on, 45 degrees at most: at the
 // end of a bend of few columns the exact tangent is half a column outside. Nor at a collapsed edge of the
 // uvs, a pole, of a tangent that is outside by no more than the limit and half of the triangle's angle there:
-// each column has a vertex of its own, which lies on one side of it. But where one turn about the normals, by
-// 30 degrees or more, would bring nine tenths of a mesh's or a part's tangents from outside their cones to
-// within the limit of them, that explains what is left open, and no shape does: those are beyond, too. Of
-// what is left open, and where several charts meet, the cone is then that of the triangles that have the
-// vertex's uv: charts that meet, as at the corners of a smooth cube or at bevels, may be averaged, but not
-// all in one sense.
+// each column has a vertex of its own, which lies on one side of it. Nor where it is outside by no more than
+// the limit and 45 degrees, and the dpdu of a triangle leans as much from the plane of the normal: if a scale
+// is baked into the positions, tangents move with them and normals by the inverse transpose, which takes an
+// average out of the cone that the scaled triangles span. Nor of MikkTSpace's own tangents. But where one
+// turn about the normals, by 30 degrees or more, would bring nine tenths of a mesh's or a part's tangents
+// from outside their cones to within the limit of them, that explains what is left open, and no shape does:
+// those are beyond, too. Of what is left open, and where several charts meet, the cone is then that of the
+// triangles that have the vertex's uv: charts that meet, as at the corners of a smooth cube or at bevels, may
+// be averaged, but not all in one sense.
 #pragma once
 
 #include <cstdint>
@@ -34,6 +37,7 @@
 
 #include "claim.h"
 #include "mesh/vertex_joins.h"
+#include "mikktspace_reference.h"
 
 namespace darboux {
 
@@ -45,9 +49,11 @@ class Cones {
  public:
   Cones() = default;
   // \param raw_sign of each triangle, 0 without uv area \param has_area triangles with area in space
+  // \param mikktspace may be empty
   // \param limit_deg of each vertex: how far outside a tangent may lie
   Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std::vector<bool>& has_area,
-        const VertexJoins& joins, std::span<const double> limit_deg, double max_angle_deg);
+        const VertexJoins& joins, const MikktspaceReference& mikktspace, std::span<const double> limit_deg,
+        double max_angle_deg);
 
   bool empty() const { return claims_.empty(); }
   // Of the corners of v whose triangles have that sign; those without uv area take the better of the two
@@ -88,11 +94,5 @@ struct OwnDirections {
 };
 OwnDirections own_directions(const Mesh& mesh, std::span<const signed char> raw_sign,
                              const VertexJoins& joins, const std::vector<bool>& vertices);
-
-// Whether the normals of vertices that are asked about are averages of their own triangles' normals: with any
-// positive weights, or within a degree of each alike, by area, by angle, by both, or by sin(angle)/(|e1|
-// |e2|) as [Max1999].
-std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins,
-                                      const std::vector<bool>& vertices);
 
 }  // namespace darboux

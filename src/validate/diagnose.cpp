@@ -12,6 +12,7 @@
 #include "base/linear_algebra.h"
 #include "base/text.h"
 #include "findings.h"
+#include "normal_cones.h"
 
 namespace darboux {
 namespace {

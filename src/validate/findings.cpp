@@ -63,13 +63,18 @@ constexpr std::array kinds{
     FindingKind{"VERTEX_ACROSS_MIRROR", warning,
                 "vertices are shared by triangles whose uvs wind differently: one w cannot serve both",
                 "split vertices where uvs are mirrored"},
-    FindingKind{"NORMALS_OPPOSE_WINDING", warning,
-                "triangles are wound clockwise as seen along their normals",
-                "reverse the winding, as after baking a mirror, or negate the normals"},
+    FindingKind{
+        "NORMALS_OPPOSE_WINDING", warning, "triangles are wound clockwise as seen along their normals",
+        "reverse the winding, as after baking a mirror, or negate the normals; nothing, where leaves and "
+        "cards are lit as the whole is"},
     FindingKind{
         "INDICES_LEFT_OVER", warning,
         "the last indices do not make a whole triangle (counted in indices); only whole triangles are judged",
         "write three indices per triangle"},
+    FindingKind{
+        "UV_SET_MISSING", warning,
+        "the material reads a normal or anisotropy map at a uv set that the mesh lacks: viewers differ",
+        "export that uv set, or let the material name one that the mesh has"},
     FindingKind{"REFERENCES_DISAGREE", warning,
                 "the surface's frames and those of the mesh's own positions and uvs differ",
                 "look for ripples, or declare another surface"},

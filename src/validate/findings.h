@@ -37,6 +37,7 @@ enum class Code : std::size_t {
   vertex_across_mirror,
   normals_oppose_winding,
   indices_left_over,
+  uv_set_missing,
   references_disagree,
   reference_uncertain,
   bitangent_not_orthogonal,

@@ -69,8 +69,8 @@ void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_po
   std::vector<double> limit_deg(mesh.positions.size(), options.max_angle_deg);
   for (std::size_t v = 0; v < limit_deg.size(); ++v)
     if (under_test.classes.of_vertex[v] == VertexClass::border) limit_deg[v] *= 3;
-  under_test.cones =
-      Cones(mesh, under_test.raw_sign, under_test.has_area, joins, limit_deg, options.max_angle_deg);
+  under_test.cones = Cones(mesh, under_test.raw_sign, under_test.has_area, joins, under_test.mikktspace,
+                           limit_deg, options.max_angle_deg);
 }
 
 }  // namespace darboux

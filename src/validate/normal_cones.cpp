@@ -1,6 +1,7 @@
 #include "normal_cones.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +19,7 @@ namespace {
 
 using Normals = std::vector<Vec3<double>>;
 
+constexpr double average_deg = 1;   // from a common average of triangles' normals
 constexpr double tolerance = 1e-3;  // the sine of how far outside the cone rounding may leave a normal
 // Of normals each three are looked at: where many meet at a tip, then of those that are apart.
 constexpr std::size_t many = 40, most_normals = 100;
@@ -87,6 +89,39 @@ std::vector<bool> lie_in_normal_cones(const Mesh& mesh, const VertexJoins& joins
     if (!group.between) group.between = is_in_cone(unit(mesh.normals[v]), group.normals);
     result[v] = *group.between;
   }
+  return result;
+}
+
+std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins,
+                                      const std::vector<bool>& vertices) {
+  const std::size_t n = mesh.positions.size();
+  constexpr std::uint32_t none = ~0U;
+  std::vector<std::uint32_t> sum_of_group(n, none);
+  using Sums = std::array<Vec3<double>, 5>;  // each alike, by area, by angle, by both, and as [Max1999] does
+  std::vector<Sums> sums;
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (std::uint32_t& sum = sum_of_group[joins.position_and_normal[v]]; vertices[v] && sum == none) {
+      sum = static_cast<std::uint32_t>(sums.size());
+      sums.push_back({});
+    }
+  for (const Triangle& t : mesh.triangles)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t sum = sum_of_group[joins.position_and_normal[t[k]]];
+      if (sum == none) continue;
+      const Vec3<double>&p = mesh.positions[t[k]], a = mesh.positions[t[(k + 1) % 3]] - p,
+            b = mesh.positions[t[(k + 2) % 3]] - p;
+      const Vec3<double> twice_area = accurate_cross(a, b), plane = unit(twice_area);
+      if (!has_direction(plane)) continue;
+      const double angle = angle_between(a, b);
+      Sums& s = sums[sum];
+      s[0] += plane, s[1] += twice_area, s[2] += angle * plane, s[3] += angle * twice_area;
+      s[4] += twice_area / (dot(a, a) * dot(b, b));
+    }
+  std::vector<bool> result = lie_in_normal_cones(mesh, joins, vertices);
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (vertices[v])
+      for (const Vec3<double>& sum : sums[sum_of_group[joins.position_and_normal[v]]])
+        if (angle_between(mesh.normals[v], sum) <= average_deg / degrees_per_radian) result[v] = true;
   return result;
 }
 

@@ -16,4 +16,10 @@ namespace darboux {
 std::vector<bool> lie_in_normal_cones(const Mesh& mesh, const VertexJoins& joins,
                                       const std::vector<bool>& vertices);
 
+// Whether the normals of vertices that are asked about are averages of their own triangles' normals: with any
+// positive weights, or within a degree of each alike, by area, by angle, by both, or by sin(angle)/(|e1|
+// |e2|) as [Max1999].
+std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins,
+                                      const std::vector<bool>& vertices);
+
 }  // namespace darboux

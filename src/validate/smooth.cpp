@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "normal_cones.h"
+
 namespace darboux {
 namespace {
 

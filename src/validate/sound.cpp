@@ -12,8 +12,8 @@
 
 #include "angles.h"
 #include "base/flatten.h"
-#include "consistent.h"
 #include "mesh/frames/creases.h"
+#include "normal_cones.h"
 #include "rounding.h"
 
 namespace darboux {

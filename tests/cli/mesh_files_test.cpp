@@ -131,6 +131,20 @@ TEST_F(MeshFiles, TangentsOfAnotherUvSetAreToldSo) {
   EXPECT_NE(good("darboux validate a.glb", 1).find("MikkTSpace's of TEXCOORD_1"), std::string::npos);
 }
 
+TEST_F(MeshFiles, NormalMapsAtMissingUvSetsAreNamed) {
+  write_glb(path("a.glb"), torus(), "torus");
+  Glb glb = split_glb(read_bytes(path("a.glb")));
+  glb.json["meshes"][0]["primitives"][0]["material"] = 0;
+  for (const int set : {0, 2}) {
+    glb.json["materials"] = {{{"normalTexture", {{"index", 0}, {"texCoord", set}}}}};
+    write("a.glb", make_glb(glb.json.dump(), glb.bin));
+    const Json assessed = only_mesh(json("darboux validate a.glb --json"));
+    EXPECT_EQ(assessed["verdict"], "pass");
+    EXPECT_EQ(has_finding(assessed, "UV_SET_MISSING"), set == 2);
+  }
+  EXPECT_NE(good("darboux validate a.glb").find("TEXCOORD_2"), std::string::npos);
+}
+
 TEST_F(MeshFiles, MorphTargetsAreNotJudged) {
   write_glb(path("a.glb"), torus(), "torus");
   EXPECT_FALSE(has_finding(only_mesh(json("darboux validate a.glb --json")), "MORPH_TARGETS_NOT_JUDGED"));

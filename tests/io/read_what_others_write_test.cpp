@@ -208,6 +208,13 @@ TEST(ReadWhatOthersWrite, TheUvSetThatTheMaterialNames) {
   EXPECT_EQ(none.texcoord, 0);
   EXPECT_FALSE(none.names_uv_set);
   EXPECT_FALSE(none.texture_transform);
+  EXPECT_FALSE(none.missing_texcoord);
+  b.json["materials"] = Json::parse(R"([{"normalTexture": {"index": 0, "texCoord": 5}}])");
+  b.json["meshes"][0]["primitives"][0]["material"] = 0;
+  const Primitive lacks = read(b.glb()).primitives.at(0);
+  EXPECT_EQ(lacks.texcoord, 0);
+  EXPECT_EQ(lacks.missing_texcoord, 5);
+  EXPECT_FALSE(lacks.names_uv_set);
   b.json["materials"] =
       Json::parse(R"([{"normalTexture": {"index": 0, "texCoord": 0, "extensions": {"KHR_texture_transform":
       {"offset": [0.25, 0.5], "rotation": 0.5, "scale": [2, 3], "texCoord": 1}}}}])");
@@ -215,6 +222,7 @@ TEST(ReadWhatOthersWrite, TheUvSetThatTheMaterialNames) {
   const Primitive p = read(b.glb()).primitives.at(0);
   EXPECT_EQ(p.texcoord, 1);
   EXPECT_TRUE(p.names_uv_set);
+  EXPECT_FALSE(p.missing_texcoord);
   ASSERT_TRUE(p.texture_transform);
   // The extension's own matrices: translation times rotation times scale.
   const double c = std::cos(0.5), s = std::sin(0.5);
