@@ -1,5 +1,5 @@
-// What an AnySurface holds of one surface of the catalogue, for compiled_models.h. CMake writes sources that
-// expand DARBOUX_COMPILE_MODEL for headers of surfaces/.
+// Compiles the code behind an AnySurface for one surface of the catalogue; see compiled_models.h. CMake
+// generates sources that expand DARBOUX_COMPILE_MODEL for the headers of surfaces/.
 #pragma once
 
 #include <darboux/any_surface.h>

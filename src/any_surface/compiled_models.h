@@ -1,5 +1,5 @@
-// What an AnySurface holds of a surface of the catalogue takes a second and more to compile. Sources that
-// CMake writes compile it, by compile_model.h; a source that makes one says so, and takes that:
+// The code behind an AnySurface takes a second or more per surface of the catalogue to compile. Generated
+// sources compile it once (compile_model.h). A source that makes an AnySurface uses that code by saying:
 // DARBOUX_COMPILED_MODEL(Torus<>)
 #pragma once
 

@@ -1,4 +1,4 @@
-// How far the data over-determine a fitted surface against what else they may be: docs/theory/recognition.md.
+// How strongly the data over-determine a fitted surface compared with its rivals: docs/theory/recognition.md.
 #pragma once
 
 #include <darboux/assess.h>

@@ -19,10 +19,10 @@ class Cutter {
   Cutter(const Cutter&) = delete;
   Cutter& operator=(const Cutter&) = delete;
 
-  // Triangles joined over edges whose vertices agree in position, normal and uv to the bit; those whose uvs
-  // wind differently apart, those without area in uv with what they touch. \param at_creases also cut at
-  // edges that are sharp by creases.h, though the vertices agree. Pieces are in the order of their first
-  // triangles. \param triangles of the whole, ascending
+  // Triangles joined over edges whose vertices agree in position, normal and uv to the bit. Triangles whose
+  // uvs wind differently are kept apart; those without uv area go with what they touch. \param at_creases
+  // also cut at edges that are sharp by creases.h, though the vertices agree. Pieces are in the order of
+  // their first triangles. \param triangles of the whole, ascending
   std::vector<Triangles> pieces(const Triangles& triangles, bool at_creases);
 
   // The mesh of some triangles.

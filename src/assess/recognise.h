@@ -31,10 +31,11 @@ class Effort {
   Effort& operator=(const Effort&) = delete;
   bool spent() const;                            // the budget is; ask only where something would be left out
   bool cut_short() const { return cut_short_; }  // whether something was
-  // Whether one like it was no surface: of this mesh in shape, of others in uvs and normals as well.
+  // Whether a part like it failed before: within this mesh alike in shape, in other meshes alike in uvs and
+  // normals as well.
   bool has_failed(const Outline& outline) const;
   void failed(const Outline& outline);
-  // Whether only what costs little may be tried; counts the parts of which that is so.
+  // Whether only cheap fits may be tried; counts the parts for which that is so.
   bool must_be_brief();
   std::size_t searched_briefly() const { return searched_briefly_; }
   // Once, and not in what falls apart into islands of an atlas: only kinds that are found by positions are

@@ -27,8 +27,8 @@ struct Shape {
   double moderate = 1;                              // the share of these that turn by no more than 50 degrees
   double turn_deg = 0;                              // their median
   double faceted = 0;  // the share of triangles whose normals are their own, of those with area
-  // Whether uvs may be a surface's own, or an affine map of them: those jump by one period across a seam, or
-  // by two, and not by another vector at every vertex, as between the islands of an atlas.
+  // Whether uvs may be a surface's own, or an affine map of them: such uvs jump by one or two periods across
+  // a seam, not by a different vector at every vertex, as between the islands of an atlas.
   bool one_chart = true;
 };
 

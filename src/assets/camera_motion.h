@@ -13,12 +13,13 @@
 
 namespace darboux {
 
-/// The way of a camera by the first animation that moves it or what it hangs on: translations, rotations and
-/// scales of nodes, at linear, step and cubic keys as glTF has them. The lens stays what it is.
+/// The path of a camera under the first animation that moves it or one of its ancestors: translations,
+/// rotations and scales of nodes, at linear, step and cubic keys as glTF has them. The projection does not
+/// change.
 class CameraMotion {
  public:
-  /// Which of the nodes that are shown is the first that has a camera and that keys of translations,
-  /// rotations or scales move, its own or those of what it hangs on. Cost: linear in nodes and channels
+  /// The first shown node that has a camera and that keys of translations, rotations or scales move: its own
+  /// keys or an ancestor's. Cost: linear in nodes and channels
   static std::optional<std::size_t> first_moved(const GltfFile& file,
                                                 const std::vector<io::ShownNode>& shown);
 

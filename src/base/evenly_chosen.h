@@ -1,5 +1,5 @@
-// Some of many, spread evenly. A fixed stride could keep step with the rows of a grid, and see one column of
-// it.
+// Chooses some of many, spread evenly. A fixed stride could match the row length of a grid and see only one
+// column.
 
 #pragma once
 
@@ -11,7 +11,8 @@
 
 namespace darboux {
 
-/// Indices below `of`, ascending: one at random of each of `count` stretches, all where there are no more.
+/// Indices below `of`, ascending: one at random from each of `count` stretches; all of them where there are
+/// no more than that.
 inline std::vector<std::ptrdiff_t> evenly_chosen(std::ptrdiff_t of, std::ptrdiff_t count,
                                                  std::mt19937_64& random) {
   count = std::min(of, count);

@@ -20,7 +20,7 @@ class HashTable {
       if (slots_[i].hash == hash && f(slots_[i].index)) return true;
     return false;
   }
-  // Fetches the slot of a hash that is soon asked for: large tables lie far from the processor.
+  // Prefetches the slot of a hash that is needed soon: large tables do not fit into the caches.
   void prefetch(std::uint32_t hash) const { __builtin_prefetch(&slots_[hash >> shift_]); }
   static constexpr std::size_t soon = 16;  // so many hashes later
 

@@ -7,9 +7,8 @@
 
 namespace darboux {
 
-// By default glibc gives arrays of large meshes back to the system, and gets others from it, page by page and
-// cleared: a tenth of the time of a verdict. What is free at the end of the heap still goes back where it is
-// much.
+// By default glibc returns the arrays of large meshes to the system and gets new ones from it, page by page
+// and cleared: a tenth of the time of a verdict. Large free space at the end of the heap is still returned.
 inline void keep_freed_memory() {
 #ifdef __GLIBC__
   mallopt(M_MMAP_MAX, 0);

@@ -9,8 +9,8 @@
 
 namespace darboux {
 
-/// How many letters have to be put in, left out, replaced or swapped with their neighbour to make b of a;
-/// capitals and small letters are the same, and so are '_' and '-'.
+/// How many letters have to be inserted, deleted, replaced or swapped with their neighbour to turn a into b.
+/// Case is ignored, and '_' equals '-'.
 inline std::size_t name_distance(std::string_view a, std::string_view b) {
   const auto plain = [](char c) { return c == '_' ? '-' : c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
   const auto same = [&](std::size_t i, std::size_t j) { return plain(a[i]) == plain(b[j]); };

@@ -51,8 +51,9 @@ void guarded(Item& item, F f) {
 
 }  // namespace rounds
 
-/// Times all items one after the other, so many rounds. Each is called as often as takes half a millisecond,
-/// at most 200 times; those whose call takes less than 10 ms once untimed directly before. An item has
+/// Times all items one after the other, so many rounds. In a round each is called as often as fills half a
+/// millisecond, at most 200 times; an item whose call takes less than 10 ms is called once untimed directly
+/// before. An item has
 ///   run()                  what is timed
 ///   std::size_t points     in a call
 ///   std::vector<double> ns nanoseconds per point, one is added in each round

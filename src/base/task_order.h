@@ -1,4 +1,4 @@
-// Tells the thread sanitizer what a loop of tasks orders, as oneTBB, which orders it, is compiled
+// Tells the thread sanitizer the ordering that a loop of tasks has: oneTBB, which enforces it, is compiled
 // without the sanitizer. In other builds it does nothing.
 #pragma once
 
@@ -10,7 +10,8 @@
 
 namespace darboux {
 
-// What comes before it is made comes before its tasks, and these before what comes behind its end.
+// Whatever precedes its construction happens before its tasks, and these before whatever follows its
+// destruction.
 class TaskOrder {
  public:
 #ifdef DARBOUX_THREAD_SANITIZER

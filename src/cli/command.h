@@ -69,9 +69,9 @@ CLI::Validator finite_number(const std::string& expected, bool (*good)(double));
 /// for another format
 void check_glb_name(const std::string& output);
 
-/// Which of these extensions, ".html", the name of a file to write has, in lower case; empty where it has
-/// none, or one of no known format, as the names of mktemp have. \param otherwise what else would do, for the
-/// message \throws ParameterError for an extension of another known format
+/// The one of these extensions, such as ".html", that the name of an output file has, in lower case; empty
+/// where it has none, or one of no known format, as names from mktemp have. \param otherwise what else is
+/// accepted, for the message \throws ParameterError for an extension of another known format
 std::string known_extension(const std::string& option, const std::string& output,
                             const std::vector<std::string>& extensions, const std::string& otherwise = {});
 

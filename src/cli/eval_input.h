@@ -1,5 +1,5 @@
 /// \file eval_input.h
-/// Where `eval` has its points from: files of u, v in several formats, read in pieces.
+/// The input points of `eval`: files of u, v in several formats, read in pieces.
 #pragma once
 
 #include <array>

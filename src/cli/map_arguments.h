@@ -48,17 +48,16 @@ MapSource map_source(const std::string& path, const std::vector<std::string>* pr
 std::vector<MapPiece> map_pieces(const MapArguments& arguments, const Common& common, bool world,
                                  const ChosenPrimitives& only = {});
 
-/// Reads a map, as read_image() does. \throws FileError also for floats that say themselves that they are
-/// signed, without --signed-floats: below 0 by more than unit vectors get that were rounded to codes of 8
-/// bits
+/// Reads a map, as read_image() does. \throws FileError also, without --signed-floats, for floats that are
+/// evidently signed: farther below 0 than unit vectors rounded to 8-bit codes can be
 Image read_map(const MapSource& source, bool drop_colour_tags, bool signed_floats, const Common& common);
 
 /// The rms distance of the corners of triangles from the surface at their uvs, over the diagonal of the box
 /// about them. Corners at which the surface has no value are left out; infinity where that is all of them.
 double rms_relative(const PlacedSurface& surface, std::span<const MapPiece> pieces);
 
-/// What that is at most where the mesh is one of the surface: twice what a fit leaves, as corners count here,
-/// there vertices.
+/// The largest such distance of a mesh of the surface: twice what a fit leaves, as corners count here but
+/// vertices there.
 inline constexpr double corners_fit_below = 2 * fits_below;
 
 /// What `f` gives; a MeshError has the mesh's file before it then. \throws FileError
@@ -74,7 +73,7 @@ auto naming_the_mesh(const std::string& file, const F& f) {
 /// An option, or another word for where a file's name stands, and the name.
 using MapFile = std::pair<const char*, std::string>;
 
-/// Files to be written are each another, and none of those that are read; those may be one.
+/// Checks that output files differ from each other and from all input files; input files may coincide.
 /// \throws ParameterError
 void check_files_apart(const std::vector<MapFile>& read, const std::vector<MapFile>& written);
 

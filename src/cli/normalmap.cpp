@@ -1,4 +1,4 @@
-// `darboux normalmap`: a normal map in another space, alone or beside another.
+// `darboux normalmap`: converts a normal map to another space, checks one, or compares two.
 #include <chrono>
 #include <filesystem>
 #include <iostream>

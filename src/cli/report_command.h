@@ -44,8 +44,8 @@ std::vector<int> parse_resolutions(const std::string& text, int finest);
 /// Text as a shell reads it.
 std::string shell_quoted(const std::string& text);
 
-/// What of a study's identity the surfaces are: their specifications, and a hash of each file that one is
-/// read from.
+/// The surfaces' part of a study's identity: their specifications, and a hash of each file that one is read
+/// from.
 Json surfaces_identity(const std::vector<AnySurface>& surfaces);
 
 /// A study file's list of names, each of which find(name) knows or throws for.

@@ -42,8 +42,8 @@ struct AssessedPrimitive {
   std::size_t count(Code code, Severity own) const;
   std::size_t known_count(Code code, Severity own) const;
   /// Whether an error counts against a run with a baseline. The library's own errors are compared with its
-  /// own errors; what an option made an error, with all findings of the code. UNDETERMINED goes by
-  /// less_determined().
+  /// own errors in the baseline; findings that an option made errors, with all findings of that code there.
+  /// UNDETERMINED goes by less_determined().
   bool worse(const Finding& finding, Severity own) const;
   /// Whether more parts are undetermined than did not pass in the baseline.
   bool less_determined() const;
@@ -65,8 +65,8 @@ struct AssessedFile {
   std::map<std::string, std::size_t> ignored{};  ///< counts of findings that were dropped, by code
   Verdict verdict = Verdict::nothing;            ///< the worst of its meshes and parts
   bool lost = false;  ///< it passed in the baseline, and there is nothing to assess now
-  /// Whether it counts against the run: it is neither pass nor nothing or could not be read and, where there
-  /// is a baseline, was better there.
+  /// Whether it counts against the run: its verdict is neither pass nor nothing, or it could not be read;
+  /// and, where there is a baseline, it was better there.
   bool worse = false;
 
   bool readable() const { return error.empty(); }
@@ -108,16 +108,17 @@ void print_map_cost(const AssessedMapCost& of);
 /// An earlier report, `darboux validate --json`. \throws FileError
 Json read_baseline(const std::string& path);
 
-/// Lets only that count against the run what is worse than in the baseline: an error that is new or more
-/// frequent in a primitive (AssessedPrimitive::worse()), a primitive of which more parts are undetermined
-/// than did not pass then, a file that passed then and has nothing to assess now, one that could be read
-/// then. \param path where it was read from, for messages \throws FileError where it is no such report
+/// Makes only what is worse than in the baseline count against the run: an error that is new or more frequent
+/// in a primitive (AssessedPrimitive::worse()), a primitive of which more parts are undetermined than did not
+/// pass then, a file that passed then and has nothing to assess now, one that could be read then. \param path
+/// where it was read from, for messages \throws FileError where it is no such report
 void compare_with_baseline(std::vector<AssessedFile>& files, const std::string& path, const Json& baseline);
 
 /// "mesh 0 primitive 1 part 2 (name)"
 std::string place_of(const Primitive& primitive, const Assessment& assessment);
 
-/// What the angles of a report's classes are to: analytic, local or mikktspace; none where there are none.
+/// What the angles of a report's classes are measured against: analytic, local or mikktspace; none where
+/// there are none.
 ReferenceKind reference_of_classes(const Assessment& assessment);
 
 inline std::string_view name_of(Verdict verdict) {
@@ -163,8 +164,8 @@ void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool
 /// \param with_baseline whether to say what is new, unchanged or updated
 Json sarif(const std::vector<AssessedFile>& files, bool with_baseline);
 
-/// Annotations of GitHub's workflows, a line per error and warning, at most some dozens. With a baseline only
-/// what there is more of than then.
+/// Annotations of GitHub's workflows, a line per error and warning, at most some dozens. With a baseline,
+/// only what has become more frequent.
 void print_github(const std::vector<AssessedFile>& files, bool with_baseline);
 
 /// JUnit's XML, a test case each mesh or part; what counts against the run is a failure.

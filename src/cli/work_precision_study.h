@@ -54,9 +54,9 @@ struct WorkDocument {
 /// \throws FileError for another one
 WorkDocument read_work_document(const std::string& file);
 
-/// In how many ways two runs differ that explain a difference: "version: 1 before, 2 after".
-/// \throws FileError, of the second file, where they asked different questions: another seed, other points,
-/// others checked, another content of an input that both read
+/// The differences between two runs that may explain different results: "version: 1 before, 2 after". \throws
+/// FileError, of the second file, where they asked different questions: another seed, other points, others
+/// checked, another content of an input that both read
 std::vector<std::string> compare_studies(const WorkDocument& before, const WorkDocument& after,
                                          const std::string& after_file);
 

@@ -10,7 +10,8 @@ namespace darboux::evaluation {
 using kernels::batch_size;
 using kernels::group_size;
 
-// The most points a kernel is called with, but for less than batch_size<T>, so that none gets fewer.
+// The most points in a kernel call, plus fewer than batch_size<T> where a last call would otherwise get fewer
+// than that.
 constexpr std::size_t block_points = 1024;
 template <class T>
 constexpr std::size_t block_room = block_points + batch_size<T> + group_size<T>;

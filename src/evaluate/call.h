@@ -10,8 +10,8 @@
 
 namespace darboux::evaluation {
 
-// From so many bytes of results on they are written past the caches: about where these no longer hold them
-// (docs/reports/evaluation.md).
+// Results of at least this many bytes are written past the caches: about the size from which these no longer
+// hold them (docs/reports/evaluation.md).
 constexpr std::size_t past_caches_from = std::size_t{10} << 20;
 
 // What all threads of a call share.

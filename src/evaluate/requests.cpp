@@ -1,4 +1,4 @@
-// What evaluate() is asked for: points and outputs, and what is refused of them.
+// The requests of evaluate(): points and outputs, and which of them are rejected.
 #include <algorithm>
 #include <cstdint>
 #include <string>

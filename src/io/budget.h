@@ -13,9 +13,9 @@
 
 namespace darboux::io {
 
-/// Of a triangle, with what it takes to judge it: 12 of its corners, the rest the edges, classes, areas and
-/// frames that all commands make of it. validate of a plane grid of 4 million triangles peaks at 119 per
-/// triangle.
+/// Bytes per triangle, including what judging it takes: 12 for its corners, the rest for the edges, classes,
+/// areas and frames that all commands compute. validate of a plane grid of 4 million triangles peaks at 119
+/// per triangle.
 constexpr std::uint64_t triangle_bytes = 128;
 
 /// Of smaller files the default is less: they may ask for much more than they hold.

@@ -22,9 +22,9 @@ struct ChildFailure : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The bytes that `work` returns, from a copy of this process that ends with it, however that ends. Its
-/// output and its core dumps go nowhere. It has this thread alone, so `work` must not wait for another.
-/// \throws ChildFailure when it does not end well
+/// Runs `work` in a copy of this process and returns its bytes. The copy ends when this process ends, in
+/// whatever way. Its output and core dumps are discarded. It has only this thread, so `work` must not wait
+/// for another. \throws ChildFailure when it does not end well
 std::string in_child(const std::function<std::string()>& work, const ChildLimits& limits);
 
 }  // namespace darboux::io

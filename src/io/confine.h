@@ -1,5 +1,5 @@
 /// \file confine.h
-/// What a process may still do that reads a file nobody vouches for.
+/// Restricts a process that reads an untrusted file.
 #pragma once
 
 namespace darboux::io {

@@ -21,10 +21,9 @@ void expect_regular_file(const std::string& path);
 /// The bytes of a regular file. \throws FileError
 std::string read_file(const std::string& path);
 
-/// The same bytes, mapped where the system can: they are not copied. The file must not be changed meanwhile:
-/// what was checked may be other bytes then, and a process that looks at what is gone, or cannot be read, is
-/// ended (SIGBUS). What replaces it by another of its name, as OutputFile does, does no harm.
-/// \throws FileError
+/// The same bytes, mapped where the system can: they are not copied. The file must not be modified meanwhile:
+/// bytes that were checked may then differ, and reading bytes that are gone or unreadable kills the process
+/// (SIGBUS). Replacing the file by another of its name, as OutputFile does, is harmless. \throws FileError
 Piece map_file(const std::string& path);
 
 /// Text of the file or the user made fit for a one-line message: quoted, on one line, shortened.
@@ -33,7 +32,7 @@ std::string in_quotes(std::string_view text);
 /// Whether a URI begins "data:".
 bool is_data_uri(std::string_view uri);
 
-/// A document names a file outside of its folder, and may not.
+/// A document names a file outside of its folder without permission.
 class OutsideError : public FileError {
   using FileError::FileError;
 };

@@ -1,5 +1,5 @@
 /// \file image_formats.h
-/// One function a format, each behind its library.
+/// One function per format, each wrapping its library.
 #pragma once
 
 #include <cstdint>

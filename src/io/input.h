@@ -20,8 +20,8 @@ struct Descriptor {
   ~Descriptor();
 };
 
-/// A file, pipe or standard input ("-") as a stream buffer that keeps count. What goes wrong while reading
-/// ends it; finish() says so.
+/// A file, pipe or standard input ("-") as a stream buffer that counts its bytes. An error ends the stream;
+/// finish() reports it.
 class InputBytes final : public std::streambuf {
  public:
   /// \param kind what is expected, "CSV file of u,v" \throws FileError when it cannot be opened

@@ -1,4 +1,4 @@
-// What all files of points share, and which is read how.
+// What all readers of points share, and the choice of the reader for a file.
 #include "points.h"
 
 #include <algorithm>

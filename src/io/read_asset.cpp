@@ -1,4 +1,4 @@
-// Which file of a mesh is read how.
+// Chooses the reader for a mesh file.
 #include <array>
 #include <cmath>
 #include <fstream>

@@ -1,4 +1,4 @@
-// A point of a surface in 40 digits, and how far from it the stated bounds let double and float be.
+// A point of a surface in 40 digits, and how far the stated bounds let double and float differ from it.
 #pragma once
 
 #include <array>

@@ -10,7 +10,7 @@ namespace darboux {
 
 // 1 where the uvs run counter-clockwise, -1 where clockwise, as plain arithmetic tells of nearly all
 // triangles: the product errs by a few u |a| |b|, and is above 2^-30 |a| |b|. Else 0, also where squares
-// under- or overflow: then it takes a closer look.
+// under- or overflow: the caller then has to look more closely.
 inline int plain_sign(const Vec2<double>& uv0, const Vec2<double>& uv1, const Vec2<double>& uv2) {
   const Vec2<double> a = uv1 - uv0, b = uv2 - uv0;
   const double plain = a.x * b.y - a.y * b.x, bound = 0x1p-60 * dot(a, a) * dot(b, b);

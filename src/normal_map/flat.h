@@ -1,5 +1,5 @@
 /// \file flat.h
-/// Which texels say nothing.
+/// Which texels are flat: they leave the normal as it is.
 #pragma once
 
 #include <cmath>

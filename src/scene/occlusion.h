@@ -1,4 +1,4 @@
-// What lies behind opaque surface that is drawn.
+// Finds what is hidden behind opaque surfaces that are drawn.
 #pragma once
 
 #include <array>
@@ -19,11 +19,11 @@ namespace darboux {
 // everywhere in it: of triangles, and of the surface itself.
 //
 // Of an instance only parts of the chart are taken that face the camera with a margin, beyond the near plane.
-// Their border, as seen, goes round a cell as often as they cover each of its points, one side counted as 1
-// and the other as -1: the degree of a continuous map of the plane. As none of them faces away, a number
-// other than 0 says that something is drawn there. The border is known by samples, and so are depths, within
-// the bound of chords: whatever that may reach counts as not covered. That holds for any continuous surface
-// near these samples, so both for the true one and for the triangles of a plan.
+// The winding number of their projected border about a cell is the number of times they cover each of its
+// points, one side counted as 1 and the other as -1: the degree of a continuous map of the plane. As none of
+// them faces away, a number other than 0 says that something is drawn there. The border is known by samples,
+// and so are depths, within the bound of chords: whatever that may reach counts as not covered. That holds
+// for any continuous surface near these samples, so both for the true one and for the triangles of a plan.
 class Occlusion {
  public:
   explicit Occlusion(const Camera& camera);

@@ -21,9 +21,9 @@ struct TileLevels {
   bool operator==(const TileLevels&) const = default;
 };
 
-// The cells that a tile is cut into one after the other as its chords have to be smaller, each time across
-// that side where the error falls by more for each sample that the chart then has more. The error falls with
-// every cut: how many are needed is a search.
+// The sequence of cuts of a tile into cells as its chords have to be smaller. Each cut is across the side
+// where the error falls more per sample that it adds to the chart. The error falls with every cut, so a
+// search finds how many are needed.
 class ChordLevels {
  public:
   ChordLevels() = default;

@@ -24,7 +24,7 @@ class View {
   double distance_of_eye() const { return distance_of_eye_; }  // from the origin
   Eigen::Vector3d backward() const { return backward_; }       // towards an orthographic camera
   double near_distance() const { return near_; }
-  // What is seen at a depth is at most so many times that far from the eye.
+  // A visible point is at most this many times its depth away from the eye.
   double stretch() const { return stretch_; }
   const std::array<Plane3, 6>& planes() const { return planes_; }
 

@@ -46,7 +46,8 @@ struct Held {
   Status singular(const S& u, const S& v) const {
     return surface.frame(u, v).status & (Status::dpdu_zero | Status::dpdv_zero | Status::parallel);
   }
-  // That there are any: sums that cancel are then taken again in 40 digits, as of the surface itself.
+  // Present because surfaces with parameters get sums that cancel recomputed in 40 digits; this one should
+  // too.
   std::vector<ParameterValue> parameter_values() const { return surface.parameters(); }
 };
 

@@ -1,4 +1,4 @@
-// The ways from (u, v) to numbers.
+// The routes: the ways to evaluate a quantity at (u, v).
 #include <cmath>
 #include <iterator>
 #include <numbers>

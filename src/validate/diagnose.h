@@ -1,4 +1,4 @@
-// Diagnosis of normals and tangents of which most are off: which one mistake makes all of them.
+// Diagnoses normals and tangents most of which are off: which single mistake explains all of them.
 #pragma once
 
 #include <functional>
@@ -14,12 +14,12 @@ struct Directions {
 };
 
 // Compares the stored tangents with the reference's at some thousand corners, spread evenly over the mesh.
-// Where more than a fifth of them is off by more than the limit (three times that at seams, pole rings,
-// creases and borders), and no more than a tenth is under one of these, adds TANGENT_UV_SET: MikkTSpace's
-// under another uv set; TANGENT_AXES: swapped or negated; either, for quarter turns the latter: turned about
-// the normals by one angle, also where the cones alone say so; TANGENT_STALE: after a linear map. \param
-// held whether the mesh's own triangles hold most tangents: only another uv set is then looked for. \returns
-// whether it is one of these mistakes
+// Where more than a fifth of them are off by more than the limit (three times that at seams, pole rings,
+// creases and borders), and one of these causes leaves no more than a tenth off, adds its finding.
+// TANGENT_UV_SET: MikkTSpace's tangents of another uv set. TANGENT_AXES: swapped or negated axes. All turned
+// about their normals by one angle, also where the cones alone say so: TANGENT_AXES for quarter turns, else
+// TANGENT_UV_SET. TANGENT_STALE: a linear map. \param held whether the mesh's own triangles hold most
+// tangents: only another uv set is then looked for. \returns whether it is one of these mistakes
 bool diagnose_tangents(const MeshUnderTest& under_test,
                        const std::function<Directions(std::size_t corner)>& reference,
                        const ValidateOptions& options, bool held, MeshReport& report);

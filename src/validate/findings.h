@@ -10,8 +10,8 @@
 
 namespace darboux {
 
-// In the order of finding_kinds(). The first twelve are the errors of a corner, in the order in which a
-// corner is given to the first that fits.
+// In the order of finding_kinds(). The first twelve are the errors of a corner; a corner counts under the
+// first that applies, in this order.
 enum class Code : std::size_t {
   tangent_not_finite,
   tangent_zero,

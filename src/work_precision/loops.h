@@ -1,6 +1,6 @@
 /// \file loops.h
-/// A frame at a point as people write it: the sines of the C++ library, a cross product, lengths; partials by
-/// the formula, by dual numbers through the position, by central differences of it.
+/// Frames at a point as people usually write them: the sines of the C++ library, a cross product, lengths;
+/// partials by the formula, by dual numbers through the position, or by its central differences.
 #pragma once
 
 #include <array>

@@ -169,8 +169,8 @@ Status batch(const Target<T>& p, const Here& surface, const PU& u, const PV& v) 
   return status;
 }
 
-// A group at a time. The last of several is moved back to be a whole one, and so is the last batch of one
-// that is not: some points are done again, to the same bits.
+// One group at a time. The last of several is moved back so as to be whole, and so is the last batch of an
+// incomplete group: some points are computed twice, to the same bits.
 template <class X, class T, Variant variant>
 DARBOUX_FLATTEN bool kernel(const Work<T>& w) {
   using S = Batch<X, T, variant>;

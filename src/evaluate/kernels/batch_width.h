@@ -7,16 +7,18 @@
 namespace darboux::kernels {
 namespace {
 
-// Formulas that go to an order only are long, those of splines: they fill the registers by themselves.
+// Formulas that can stop at an order of derivatives, those of splines, are long: one lane register at a time
+// fills all registers.
 template <class X, class T>
 concept LongFormula = requires(const X& surface, const Lanes<T>& x) {
   surface.template jet_to<1>(x, x);
 }
 || detail::HasCurveAlong<X, 0> || detail::HasCurveAlong<X, 1>;
 
-// What goes through the formula at once. A line of two registers can be written past the caches from them;
-// but that makes kernels slow to compile, so not where all attributes are, and not of four registers; and
-// long formulas slow to run: those of splines take 1.5 times as long on AVX2.
+// What goes through the formula at once. Where two registers fill a cache line, both go together, so that the
+// line can be written past the caches from them. That makes kernels slow to compile, so it is not done for
+// four registers or where all attributes are computed; nor for long formulas, as it makes them slow to run:
+// those of splines take 1.5 times as long on AVX2.
 template <class X, class T, Variant variant>
 using Batch =
     Lanes<T, sizeof(Register<T>) * 2 == line && variant != Variant::everything && !LongFormula<X, T> ? 2 : 1>;

@@ -20,8 +20,8 @@ namespace darboux::kernels {
 namespace {
 
 // Set where the lanes of a batch disagree about a condition that decides more than a value: the batch is then
-// left to the single-point functions. Found without a call: the model that libraries loaded late may use too,
-// for so little.
+// left to the single-point functions. This TLS model needs no function call; libraries that are loaded late
+// may use it too for so small a variable.
 [[gnu::tls_model("initial-exec")]] thread_local bool diverged = false;
 
 template <class T>

@@ -203,7 +203,7 @@ class PatchInRows {
 
   using Span = std::remove_cvref_t<decltype(std::declval<const X&>().span_v(std::declval<const S&>()))>;
 
-  // Sees to it that the columns of the lanes' windows are there. False: they lie too far apart.
+  // Loads the columns of all lanes' windows. Returns false where they lie too far apart.
   bool take_columns(const Span& span_u, int degree) const {
     const auto& at = span_u.first.at;
     int least = at[0], last = at[0];

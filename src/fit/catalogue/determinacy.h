@@ -1,5 +1,5 @@
-// What a found surface is worth: what the points tell of it, how well, and whether that is a surface of the
-// kind at all.
+// How well a fitted surface is determined: what the points tell about it, how well, and whether that makes a
+// surface of the kind at all.
 #pragma once
 
 #include <string>
@@ -22,9 +22,9 @@ std::string add_covariance(const Estimate& e, const ReducedNormalEquations& know
                            const Eigen::VectorXd& units, double noise, double degrees_of_freedom,
                            PointFit& fit);
 
-// The patch's lengths that the points do not tell, and those that may grow together without changing the
-// surface, made such that the patch just encloses the inliers in the coordinates that end. Whether anything
-// changed.
+// Sets the patch's lengths that the points do not determine, and those that may grow together without
+// changing the surface, so that the patch just encloses the inliers in the coordinates that end. Returns
+// whether anything changed.
 bool enclose(Estimate& e, const ReducedNormalEquations& known, const Positions& inliers,
              const std::vector<Vec2<double>>& feet, double size);
 

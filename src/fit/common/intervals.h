@@ -33,14 +33,15 @@ class Intervals {
   double degrees_of_freedom_;
 };
 
-// The noise may be so many times its estimate, its distances' root mean square over as many as the degrees of
-// freedom, at 95 % confidence.
+// The factor by which the noise may exceed its estimate from so many degrees of freedom, at 95 % confidence.
+// The estimate is the root of the distances' sum of squares over the degrees of freedom.
 double greatest_sigma_ratio(double degrees_of_freedom);
 
 // The quantile of Student's t.
 double students_t(double level, double degrees_of_freedom);
 
-// How likely noise makes one estimate of a variance so many times another, with these degrees of freedom.
+// The probability that noise makes one estimate of a variance so many times another, with these degrees of
+// freedom.
 double chance_of_ratio(double ratio, double freedom_of_one, double freedom_of_other);
 
 }  // namespace darboux::fit

@@ -1,4 +1,4 @@
-// Whether what a fit leaves of its points is noise.
+// Whether the residuals of a fit are noise.
 #pragma once
 
 #include <functional>
@@ -18,8 +18,8 @@ struct Leftovers {
   std::function<Eigen::MatrixXd(const std::vector<Eigen::Index>&)> derivatives;
 };
 
-// Whether errors are alike between neighbours, as where the points lie on another surface. Two tests; what is
-// alike must be more than a quarter of the errors' variance, so much that sigma is not the noise:
+// Whether errors of neighbours are correlated, as where the points lie on another surface. Two tests; the
+// correlated share must exceed a quarter of the errors' variance, so much that sigma is not the noise:
 // - groups of 2, 4, 8 and 16 neighbours on the surface have other means: analysis of variance [Fisher1925,
 //   sec. 38 to 40]. Noise fails with a probability of 1e-6 for each size.
 // - polynomials of some degree up to 6, of vectors up to 4, in the places explain the errors, beyond what the

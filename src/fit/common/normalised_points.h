@@ -68,8 +68,8 @@ inline bool usable_uv(const Vec2<double>& uv) {
 // \param with_uv a point whose uv is not usable is not finite either
 NormalisedPoints normalised(const PointCloud& points, bool with_uv = false);
 
-// Why so many points of this size are not fitted; empty where they are. \param fewest one more than the kind
-// would fit exactly
+// Why so many points of this size cannot be fitted; empty where they can. \param fewest one more than the
+// kind would fit exactly
 std::string against_points(const NormalisedPoints& points, std::size_t fewest, std::string_view kind);
 
 // Whether all of them lie on a line. They are not all one point.

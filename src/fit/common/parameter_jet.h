@@ -1,4 +1,4 @@
-// The derivatives of a surface of the catalogue by its parameters.
+// The derivatives of a surface of the catalogue with respect to its parameters.
 #pragma once
 
 #include <array>

@@ -7,8 +7,8 @@
 
 namespace darboux::fit {
 
-// Which points are one, a tenth to two thirds of all; empty where there is none. It is much denser than where
-// others lie, about as wide in all directions, as no strip or flat patch of a surface is, and ends 3.5
+// The points of a clump, a tenth to two thirds of all; empty where there is none. It is much denser than
+// where others lie, about as wide in all directions, as no strip or flat patch of a surface is, and ends 3.5
 // standard deviations from its mean, where a Gaussian one has 99.3 % of its points. The same for the same
 // points in the same order.
 std::vector<bool> dense_clump(const Eigen::Matrix3Xd& cloud);

@@ -1,4 +1,4 @@
-// Whether what is left of the points is noise.
+// Whether the residuals of a primitive are noise.
 #pragma once
 
 #include <optional>

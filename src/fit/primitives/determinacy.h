@@ -22,14 +22,14 @@ struct Determinacy {
 
 Determinacy determinacy(const PrimitiveFit& fit);
 
-// What is no fit: noise above that share of the points' size, or a curve of the surface that is tighter, over
-// the noise.
+// Limits of a fit: the largest noise, over the points' size, and the least radius of curvature, over the
+// noise.
 inline constexpr double largest_sigma = 0.2, least_radius_over_sigma = 5;
 
 // The share of the points that the answer has at least, where no kind was named.
 inline constexpr double enough_inliers = 0.4;
 
-// Roundings are not compared: what fits to this much, of the points' size, fits exactly.
+// A fit to within this share of the points' size is exact: roundings are not compared.
 inline constexpr double exact = 1e-12;
 
 // Log likelihood of k inliers in a Gaussian band of distances, the others spread evenly over distances up to

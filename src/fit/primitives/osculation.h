@@ -1,5 +1,5 @@
-// What any surface near some points is like about one of them: that a kind was not found from samples does
-// not say that another kind's shape there does not lead to it.
+// The local shape of a fitted surface about one of its points. It gives starts to other kinds: a kind that
+// samples did not find may still be found from another kind's shape.
 #pragma once
 
 #include <array>

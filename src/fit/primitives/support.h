@@ -1,5 +1,5 @@
-// Which part of an unbounded surface the points cover: outliers on its continuation have a long lever, and
-// nothing else gives them away.
+// Which part of an unbounded surface the points cover: outliers on its continuation have high leverage, and
+// nothing else reveals them.
 #pragma once
 
 #include <Eigen/Core>

@@ -19,7 +19,8 @@ struct UvStart {
   UvModel model;
   UvState state;
   double median;  ///< of the points' distances
-  /// No state of this kind, with this convention, is nearer to the points, rms; 0 where that is not known
+  /// A lower bound of the rms distance of any state of this kind and convention from the points; 0 where none
+  /// is known
   double least_rms = 0;
 };
 

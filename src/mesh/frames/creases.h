@@ -11,8 +11,8 @@
 
 namespace darboux {
 
-// Faces that meet at a larger angle than this are taken for two surfaces: more than those of a grid of eight
-// around.
+// Faces that meet at a larger angle than this count as two surfaces. Neighbouring faces of an eight-sided
+// tube, at 45 degrees, do not.
 inline constexpr double crease_deg = 50;
 
 struct SharedEdge {

@@ -31,9 +31,9 @@ class Rings {
   static double sign(Index node) { return node % 2 == 1 ? 1 : -1; }
 
   // Nodes up to so many edges away from `near.front()`, appended ring by ring; ends[r] is where ring r ends.
-  // The first ring is whole. Those after it stop at most_nodes, and go on from a node over at most
-  // most_triangles of its triangles, spread evenly over them: a fan is seen by all its rim, and would cost
-  // its square.
+  // The first ring is complete. Later ones stop at most_nodes, and continue from a node over at most
+  // most_triangles of its triangles, spread evenly: every vertex on the rim of a fan reaches its centre,
+  // which would cost the square of its triangles.
   struct Walk {
     std::vector<Index> near;
     std::vector<std::size_t> ends;

@@ -1,5 +1,5 @@
 /// \file buffer.h
-/// Memory without values, in large pages where the system has them.
+/// Uninitialised memory, in large pages where the system has them.
 #pragma once
 
 #include <algorithm>
@@ -78,7 +78,7 @@ class Buffer {
 
  private:
   static constexpr std::size_t page = std::size_t{1} << 21;
-  // A large page is cleared sooner than a quarter of it is handed out in pages of 4 kB.
+  // Clearing a large page takes less time than handing out a quarter of it in pages of 4 kB.
   bool large() const {
     return size_ * sizeof(T) >= page / 4;
   }
@@ -90,8 +90,8 @@ class Buffer {
 // Work memory in few pieces, given back all at once. Not for several threads at a time.
 class Memory {
  public:
-  // What was taken is free again, in one piece of at least so many bytes: what there is where it does, else a
-  // new one, no smaller than all that there was.
+  // Frees all that was taken, and provides one piece of at least so many bytes: the present one if it is
+  // large enough, else a new one no smaller than all there was.
   void start(std::size_t bytes) {
     used_ = 0;
     if (pieces_.size() == 1 && pieces_.front().size() >= bytes) return;

@@ -29,8 +29,8 @@ constexpr std::size_t weld_places(std::size_t vertices) {
   return std::bit_ceil(vertices + vertices / 2 + 1);
 }
 
-// So many on a second thread is woken: vertices to be welded, triangles, vertices to be served, vertices
-// whose corners are counted.
+// From so many on, a second thread is woken: vertices to be welded, triangles, vertices to be served,
+// vertices whose corners are counted.
 constexpr std::size_t least_welded = 4096, least_triangles = 2048, least_served = 1024,
                       least_counted = 1 << 14;
 
@@ -67,7 +67,7 @@ std::uint64_t weld_hash(const MikkMesh& mesh, std::size_t v);
 // Of `points` those of the baseline.
 const LaneKernels& lanes_of(InstructionSet set);
 
-// All of it stands when the constructor is done, and is only read then.
+// Complete when the constructor returns, and only read from then on.
 struct Connectivity {
   // `lengths` says whether these are wanted. Everything lies in `memory`.
   Connectivity(const MikkMesh& mesh, const Range& range, const LaneKernels& lanes, const MikkOptions& options,

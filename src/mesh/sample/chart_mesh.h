@@ -34,7 +34,7 @@ inline double largest(const Vec3<double>& p) {
 }
 
 /// Whether two points are one but for rounding: 8 ulps of numbers as large as the surface's coordinates about
-/// them. A formula's sin(pi*v) is 1.2e-16 at v = 1, not 0. NaN is nowhere.
+/// them. A formula's sin(pi*v) is 1.2e-16 at v = 1, not 0. A NaN equals nothing.
 inline bool same_place(const Vec3<double>& a, const Vec3<double>& b, double scale) {
   const Vec3<double> d = a - b;
   const double most = 8 * std::numeric_limits<double>::epsilon() * scale;
