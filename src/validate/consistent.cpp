@@ -13,6 +13,7 @@
 
 #include "angles.h"
 #include "mesh/frames/corner.h"
+#include "mikktspace_comparison.h"
 #include "normal_cones.h"
 #include "rounding.h"
 
@@ -21,7 +22,9 @@ namespace {
 
 constexpr double one_sided = 3;            // times the limit
 constexpr double most_turned_on_deg = 45;  // from the next triangles to a border
-constexpr double most_lean_deg = 45;
+// A map of scales up to 3 : 1 takes the normal's direction off the new normal by up to atan(4/3).
+constexpr double lean_of_scale = 4.0 / 3, most_lean_deg = 45;
+constexpr double most_scaled = 0.03;  // share of those that a scale takes outside
 constexpr double uniform_deg = 0.1;
 // Normals at one place that count as one. assimp's dot product is 0.9999.
 constexpr double alike_deg = 0.9;
@@ -127,6 +130,7 @@ class Closely {
   struct Assessed {
     Claim claim;
     std::optional<Arc> left;
+    bool may_be_scaled = false;  // beyond, but a scale may have taken an average there
   };
   Assessed assess(std::uint32_t v, int sign, double limit_deg) {
     const Directions* found = directions_of(v, sign, true);
@@ -142,7 +146,7 @@ class Closely {
     if (directions.uncertain) return {Claim::none, std::nullopt};
     if (is_left_open(v, sign, directions, *cone, outside, limit_deg))
       return {Claim::none, cone_of_chart(v, sign, directions)};
-    return {Claim::beyond, cone};
+    return {Claim::beyond, cone, outside <= limit_deg + directions.lean_deg};
   }
 
   double outside_deg(std::uint32_t v, const Arc& cone) const {
@@ -182,7 +186,7 @@ class Closely {
     std::optional<Arc> cone;  // of their directions, from x to y; nothing: they have none
     double widest = 0;        // half of the widest of them
     double normals_turn = 0;  // from the normal to others of its triangles, the most
-    double lean = 0;          // by which another projection may turn one of them, the most
+    double lean_deg = 0;      // by which another projection may turn one of them, the most
     double pole_turn = 0;     // where an edge of the uvs is collapsed, half of the widest angle of a triangle
     bool closed = false;      // the triangles go all round the vertex, and their charts go on
     bool uncertain = false;   // a triangle tells no direction, and may have drawn the tangent anywhere
@@ -257,7 +261,7 @@ class Closely {
     result.closed = goes_all_round();
     if (!is_collapsed_edge()) result.pole_turn = 0;
     result.uncertain = uncertain_;
-    result.lean = lean_;
+    result.lean_deg = std::fmin(most_lean_deg, degrees_per_radian * lean_);
     if (!arcs_.empty()) result.cone = hull(arcs_);
     return result;
   }
@@ -265,7 +269,6 @@ class Closely {
   // Whether the true direction may be so far outside of the cone, as the triangles lie on one side.
   bool is_left_open(std::uint32_t v, int sign, const Directions& directions, const Arc& cone, double outside,
                     double limit_deg) {
-    if (outside <= limit_deg + std::fmin(most_lean_deg, degrees_per_radian * directions.lean)) return true;
     if (directions.pole_turn > 0 && outside <= limit_deg + degrees_per_radian * directions.pole_turn)
       return true;
     if (directions.closed) return false;
@@ -430,7 +433,7 @@ class Closely {
       return;
     }
     arcs_.push_back({std::atan2(y, x), std::asin(error / length)});
-    lean_ = std::fmax(lean_, std::asin(std::fmin(1, std::fabs(dot(t, n_)) / length)));
+    lean_ = std::fmax(lean_, std::asin(std::fmin(1, lean_of_scale * std::fabs(dot(t, n_)) / length)));
   }
 
   double uv_area2(const Triangle& t) const {
@@ -518,19 +521,6 @@ class Closely {
   double lean_ = 0;
 };
 
-// Whether the tangent is MikkTSpace's, though the triangles may not show it: one edge-on to the normal has a
-// weight that roundings make.
-bool is_mikktspaces(const Mesh& mesh, std::uint32_t v, int sign, const MikktspaceReference& mikktspace,
-                    double limit_deg) {
-  if (mikktspace.empty()) return false;
-  const Vec4<float>& m = mikktspace.of_vertex(v);
-  if (!(m.w * static_cast<float>(sign) > 0)) return false;
-  const Vec3<double>& n = mesh.normals[v];
-  const Vec3<double> to{m.x, m.y, m.z};
-  return degrees_per_radian * angle_between(square_to(mesh.tangents[v].xyz(), n), square_to(to, n)) <=
-         limit_deg;
-}
-
 }  // namespace
 
 Vec3<double> direction_of_dpdu(const Mesh& mesh, const Triangle& t, int sign) {
@@ -572,19 +562,26 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
         vertices[v] = any = true;
   if (!any) return;
   Closely closely(mesh, raw_sign, joins, vertices, max_angle_deg);
+  std::vector<std::size_t> scaled;  // places
   for (std::uint32_t v = 0; v < n; ++v)
     for (const int sign : {-1, 1}) {
       const std::size_t place = place_of(v, sign);
       if (!asked[place] || claims_[place] == Claim::within) continue;
       if (is_mikktspaces(mesh, v, sign, mikktspace, limit_deg[v])) continue;
-      const auto [claim, left] = closely.assess(v, sign, limit_deg[v]);
+      const auto [claim, left, may_be_scaled] = closely.assess(v, sign, limit_deg[v]);
       claims_[place] = claim;
+      if (may_be_scaled) scaled.push_back(place);
       if (left)
         outside_.push_back({static_cast<std::uint32_t>(place),
                             static_cast<float>(closely.outside_deg(v, *left)),
                             static_cast<float>(std::remainder(degrees_per_radian * left->middle, 360)),
                             static_cast<float>(degrees_per_radian * left->half)});
     }
+  const auto beyond = std::count(claims_.begin(), claims_.end(), Claim::beyond),
+             within = std::count(claims_.begin(), claims_.end(), Claim::within);
+  if (static_cast<double>(beyond) <= most_scaled * static_cast<double>(beyond + within) &&
+      may_be_scaled(mesh, raw_sign, mikktspace))
+    for (const std::size_t place : scaled) claims_[place] = Claim::none;
   hold_if_turned(max_angle_deg);
 }
 

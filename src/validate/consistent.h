@@ -19,15 +19,16 @@
 // outside by no more than the limit and half of what the next triangles turn on, 45 degrees at most: at the
 // end of a bend of few columns the exact tangent is half a column outside. Nor at a collapsed edge of the
 // uvs, a pole, of a tangent that is outside by no more than the limit and half of the triangle's angle there:
-// each column has a vertex of its own, which lies on one side of it. Nor where it is outside by no more than
-// the limit and 45 degrees, and the dpdu of a triangle leans as much from the plane of the normal: if a scale
-// is baked into the positions, tangents move with them and normals by the inverse transpose, which takes an
-// average out of the cone that the scaled triangles span. Nor of MikkTSpace's own tangents. But where one
-// turn about the normals, by 30 degrees or more, would bring nine tenths of a mesh's or a part's tangents
-// from outside their cones to within the limit of them, that explains what is left open, and no shape does:
-// those are beyond, too. Of what is left open, and where several charts meet, the cone is then that of the
-// triangles that have the vertex's uv: charts that meet, as at the corners of a smooth cube or at bevels, may
-// be averaged, but not all in one sense.
+// each column has a vertex of its own, which lies on one side of it. Nor of a tangent that is
+// MikkTSpace's, or where MikkTSpace gives none. Nor of 3 % of the tangents, of a mesh whose others are not
+// MikkTSpace's, where they are outside by no more than the limit and what the dpdu of a triangle leans from
+// the plane of the normal, times 4/3 and 45 degrees at most: where a scale was baked into the positions,
+// tangents moved with them and normals by the inverse transpose, which takes few averages out of the cone
+// that the scaled triangles span. But where one turn about the normals, by 30 degrees or more, would bring
+// nine tenths of a mesh's or a part's tangents from outside their cones to within the limit of them, that
+// explains what is left open, and no shape does: those are beyond, too. Of what is left open, and where
+// several charts meet, the cone is then that of the triangles that have the vertex's uv: charts that meet, as
+// at the corners of a smooth cube or at bevels, may be averaged, but not all in one sense.
 #pragma once
 
 #include <cstdint>
@@ -86,9 +87,9 @@ class Cones {
 };
 
 // Of vertices that are asked about and the sign of their triangles, clockwise at 2 v, counter-clockwise
-// behind it, as Cones has them; false of others: whether the tangent is an average of its own triangles' dpdu
-// with positive weights, which a coarse mesh cannot do better; and whether these span 180 degrees or more, as
-// at a cone's tip, so that no tangent is right for all.
+// behind it, as Cones has them; false of others. average: the tangent is an average of its own triangles'
+// dpdu with positive weights, which a coarse mesh cannot do better. all_round: these span 180 degrees or
+// more, as at a cone's tip, so that no tangent is right for all.
 struct OwnDirections {
   std::vector<bool> average, all_round;
 };

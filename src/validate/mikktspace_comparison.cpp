@@ -65,6 +65,16 @@ MikkVariant variant(const Mesh& mesh, std::span<const std::uint32_t> corners_of,
                                : MikkVariant::none;
 }
 
+// Degrees from MikkTSpace's tangent of that sign; negative where it gives none.
+double from_mikktspaces_deg(const Mesh& mesh, std::uint32_t v, int sign,
+                            const MikktspaceReference& mikktspace) {
+  const Vec4<float>& m = mikktspace.of_vertex(v);
+  if (!(m.w * static_cast<float>(sign) > 0)) return -1;
+  const Vec3<double>& n = mesh.normals[v];
+  const Vec3<double> to{m.x, m.y, m.z};
+  return degrees_per_radian * angle_between(square_to(mesh.tangents[v].xyz(), n), square_to(to, n));
+}
+
 }  // namespace
 
 DARBOUX_FLATTEN Angles angles_to_mikktspace(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks,
@@ -111,6 +121,32 @@ MikktspaceComparison compare_with_mikktspace(const MeshUnderTest& under_test,
     result.report.equal_bits = static_cast<double>(bits.more()) / static_cast<double>(mesh.corners());
   result.report.variant = variant(mesh, corners_of, bits.more(), near, options.threads);
   return result;
+}
+
+bool is_mikktspaces(const Mesh& mesh, std::uint32_t v, int sign, const MikktspaceReference& mikktspace,
+                    double limit_deg) {
+  if (mikktspace.empty()) return false;
+  if (mikktspace.of_vertex(v).w == 0) return true;
+  const double deg = from_mikktspaces_deg(mesh, v, sign, mikktspace);
+  return deg >= 0 && deg <= limit_deg;
+}
+
+bool may_be_scaled(const Mesh& mesh, std::span<const signed char> raw_sign,
+                   const MikktspaceReference& mikktspace) {
+  if (mikktspace.empty()) return true;
+  constexpr double least_lean = 0.09, same_deg = 0.02;  // the tangent of 5 degrees
+  std::size_t leaning = 0, same = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (raw_sign[t] == 0) continue;
+    const Vec3<double> along = direction_of_dpdu(mesh, mesh.triangles[t], raw_sign[t]);
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      const Vec3<double> n = unit(mesh.normals[v]);
+      if (!(std::fabs(dot(along, n)) >= least_lean * norm(square_to(along, n)))) continue;
+      const double deg = from_mikktspaces_deg(mesh, v, raw_sign[t], mikktspace);
+      leaning += deg >= 0, same += deg >= 0 && deg <= same_deg;
+    }
+  }
+  return 2 * same < leaning;
 }
 
 }  // namespace darboux

@@ -28,4 +28,14 @@ MikktspaceComparison compare_with_mikktspace(const MeshUnderTest& under_test,
 Angles angles_to_mikktspace(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks,
                             const Vec4<float>& m, bool raw);
 
+// Whether MikkTSpace gives that tangent, or none, though the triangles seem to tell: one edge-on to the
+// normal has a weight that roundings make, or none.
+bool is_mikktspaces(const Mesh& mesh, std::uint32_t v, int sign, const MikktspaceReference& mikktspace,
+                    double limit_deg);
+
+// Whether the positions may have been scaled since the tangents were made: not where half of those that a
+// scale would have moved are MikkTSpace's of the mesh as it is. \param mikktspace may be empty
+bool may_be_scaled(const Mesh& mesh, std::span<const signed char> raw_sign,
+                   const MikktspaceReference& mikktspace);
+
 }  // namespace darboux

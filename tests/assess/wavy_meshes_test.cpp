@@ -5,13 +5,14 @@
 #include <numbers>
 #include <random>
 #include <string>
-#include <utility>
 
 #include <gtest/gtest.h>
 
 #include <darboux/assess.h>
 #include <darboux/from_position.h>
 #include <darboux/sample_mesh.h>
+
+#include "random_shapes.h"
 
 namespace darboux {
 namespace {
@@ -84,39 +85,47 @@ void turn_some(Mesh& mesh, double deg, unsigned seed) {
 
 // Prints the figures of docs/decisions/0020.
 TEST(WavyMeshes, ExactTangentsAreSeldomErrors) {
-  struct {
+  struct Sum {
     std::size_t meshes = 0, failing = 0, corners = 0, errors = 0;
     void add(const Outside& outside) {
+      EXPECT_EQ(outside.errors + outside.warnings, outside.corners);
       meshes += outside.corners > 0, failing += outside.errors > 0;
       corners += outside.corners, errors += outside.errors;
     }
-  } exact, turned_20, turned_45;
+  };
+  // As they are, turned by 20 degrees and by 45: exact tangents, then MikkTSpace's.
+  std::array<std::array<Sum, 3>, 2> sums;
   constexpr unsigned last_seed = 100;
   for (unsigned seed = 1; seed <= last_seed; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    const Mesh mesh = wavy_mesh(seed);
-    const Outside outside = outside_of(mesh);
-    exact.add(outside);
-    EXPECT_EQ(outside.errors + outside.warnings, outside.corners);
-    if (outside.corners > 0) continue;  // or its own would count below
-    for (const double deg : {20.0, 45.0}) {
-      Mesh turned = mesh;
-      turn_some(turned, deg, seed);
-      const Outside of_turned = outside_of(turned);
-      EXPECT_EQ(of_turned.errors + of_turned.warnings, of_turned.corners);
-      (deg < 30 ? turned_20 : turned_45).add(of_turned);
+    Mesh mesh = wavy_mesh(seed);
+    for (auto& [as_is, by_20, by_45] : sums) {
+      const Outside outside = outside_of(mesh);
+      as_is.add(outside);
+      for (const double deg : {20.0, 45.0}) {
+        Mesh turned = mesh;
+        turn_some(turned, deg, seed);
+        (deg < 30 ? by_20 : by_45).add(outside_of(turned));
+      }
+      test::bake(mesh);
     }
   }
-  for (const auto& [what, sum] :
-       {std::pair{"exact", exact}, {"turned by 20 deg", turned_20}, {"turned by 45 deg", turned_45}})
-    std::printf("%s: outside their cones %zu corners of %zu meshes, errors %zu of %zu\n", what, sum.corners,
-                sum.meshes, sum.errors, sum.failing);
-  EXPECT_EQ(exact.meshes, 10u) << "what cones alone would call wrong";
-  EXPECT_LE(exact.failing, 3u);
-  EXPECT_EQ(turned_45.failing, turned_45.meshes);
-  EXPECT_GE(turned_45.errors, turned_45.corners * 99 / 100);
-  EXPECT_GE(turned_20.failing, turned_20.meshes * 8 / 10);
-  EXPECT_GE(turned_20.errors, turned_20.corners * 85 / 100);
+  for (std::size_t k = 0; k < 2; ++k)
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Sum& sum = sums[k][i];
+      std::printf("%s%s: outside their cones %zu corners of %zu meshes, errors %zu of %zu\n",
+                  std::array{"exact", "MikkTSpace's"}[k],
+                  std::array{"", " turned by 20 deg", " turned by 45 deg"}[i], sum.corners, sum.meshes,
+                  sum.errors, sum.failing);
+    }
+  const auto& [exact, mikktspaces] = sums;
+  EXPECT_EQ(mikktspaces[0].corners, 0u);
+  // Measured, less a few: some of the turned tangents of coarse meshes stay within their cones.
+  EXPECT_LE(exact[0].failing, 3u);
+  EXPECT_GE(exact[2].failing, 68u);
+  EXPECT_GE(mikktspaces[1].failing, 55u);
+  EXPECT_GE(mikktspaces[2].failing, 90u);
+  EXPECT_GE(100 * mikktspaces[2].errors, 98 * mikktspaces[2].corners);
 }
 
 }  // namespace
