@@ -130,7 +130,7 @@ class Closely {
   struct Assessed {
     Claim claim;
     std::optional<Arc> left;
-    bool may_be_scaled = false;  // beyond, but a scale may have taken an average there
+    bool by_scale = false;  // beyond, but a scale may have taken an average there
   };
   Assessed assess(std::uint32_t v, int sign, double limit_deg) {
     const Directions* found = directions_of(v, sign, true);
@@ -567,10 +567,10 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
     for (const int sign : {-1, 1}) {
       const std::size_t place = place_of(v, sign);
       if (!asked[place] || claims_[place] == Claim::within) continue;
-      if (is_mikktspaces(mesh, v, sign, mikktspace, limit_deg[v])) continue;
-      const auto [claim, left, may_be_scaled] = closely.assess(v, sign, limit_deg[v]);
+      const auto [claim, left, by_scale] = closely.assess(v, sign, limit_deg[v]);
+      if (claim == Claim::beyond && is_mikktspaces(mesh, v, sign, mikktspace, limit_deg[v])) continue;
       claims_[place] = claim;
-      if (may_be_scaled) scaled.push_back(place);
+      if (by_scale) scaled.push_back(place);
       if (left)
         outside_.push_back({static_cast<std::uint32_t>(place),
                             static_cast<float>(closely.outside_deg(v, *left)),
