@@ -280,8 +280,9 @@ TEST(Cones, HoldAveragesOfMeshesThatWereScaledSince) {
   EXPECT_LE(1000 * beyond, corners);
 }
 
-// Normals of a finer mesh, as decimation leaves them: triangles may be edge-on to them, and MikkTSpace weighs
-// those by angles that are roundings. Its tangents are no errors all the same, where they are known.
+// Normals of a finer mesh, as decimation leaves them: triangles may be edge-on to them. MikkTSpace weighs
+// those by their angle seen along the normal, which may be 0; what a writer makes up then is no error, though
+// the triangles seem to tell a direction.
 TEST(Cones, HoldMikktspacesUnderAnyNormals) {
   constexpr std::uint64_t seed = 43;
   std::cout << "seed " << seed << '\n';
@@ -298,13 +299,13 @@ TEST(Cones, HoldMikktspacesUnderAnyNormals) {
     Mesh soup = unindexed(c.mesh);
     for (std::size_t k = 0; k < soup.corners(); ++k) {
       const CornerFrame& f = frames.corner(k);
-      soup.tangents.push_back(f.fallback ? Vec4<double>{0, 0, 0, 1}
-                                         : Vec4<double>{f.t.x, f.t.y, f.t.z, -f.sign});
+      soup.tangents.push_back({f.t.x, f.t.y, f.t.z, -f.sign});
     }
     corners += soup.corners(), by_triangles_alone += outside(soup);
     ASSERT_EQ(assessed(soup, true).outside, 0u) << "mesh " << i;
   }
   std::cout << "by triangles alone " << by_triangles_alone << " of " << corners << " corners are beyond\n";
+  EXPECT_GT(by_triangles_alone, 0u) << "nothing was tested";
 }
 
 // At borders too, where triangles lie on one side only.
