@@ -30,7 +30,8 @@ struct PrimitiveTangents {
   std::size_t old_vertices = 0, vertices = 0;                         ///< before and after splitting
   std::size_t morph_targets = 0;                                      ///< that were given deltas
   std::size_t degenerate_triangles = 0, degenerate_uv_triangles = 0;  ///< as MeshFrames
-  std::size_t fallback_corners = 0;  ///< likewise: the method has no direction there, some other was written
+  std::size_t fallback_corners =
+      0;  ///< likewise: the method has no direction there, an arbitrary one was written
 };
 
 /// What was done with each primitive, in the order of the file.

@@ -134,7 +134,7 @@ const std::vector<std::string_view>& found_kinds();
 ///   line
 /// - a radius below 5 sigma, a torus whose two sheets are both within the noise, or no more inliers than
 ///   chance has
-/// - two surfaces of the kind that explain the points alike, "undetermined: torus of ... or of ..."
+/// - two surfaces of the kind that explain the points equally well, "undetermined: torus of ... or of ..."
 /// - a movement of the surface that the points do not identify, or a length or angle whose standard error
 ///   may be above a fifth of it: intervals of a linear model hold below
 /// - a length beyond 1e-3 to 1e3 of the points' size (their median distance from their median)

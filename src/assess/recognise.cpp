@@ -131,7 +131,7 @@ class Search {
     if (shape_.places.size() < 3 || !(shape_.size > 0)) {
       result_.identifiable = false;
       result_.reason =
-          ": " + std::to_string(shape_.places.size()) + " different places, a surface needs more";
+          ": " + std::to_string(shape_.places.size()) + " different positions; a surface needs more";
       return std::move(result_);
     }
     if (shape_.thickness <= flat) {
@@ -145,7 +145,7 @@ class Search {
     const Effort::Outline its_outline = outline(mesh_, shape_);
     const bool has_failed = !charted_ && effort_.has_failed(its_outline);
     if (has_failed || effort_.spent()) {
-      result_.reason = has_failed ? ": parts like it are none" : ": the time for it was spent";
+      result_.reason = has_failed ? ": similar parts matched no surface" : ": the time for it ran out";
       return std::move(result_);
     }
     look_for_surface();
@@ -198,7 +198,7 @@ class Search {
       return true;
     }
     if (!result_.evidence || evidence.log10_odds > result_.evidence->log10_odds) {
-      result_.reason = ": not enough speaks for " + evidence.text;
+      result_.reason = ": too little evidence for " + evidence.text;
       result_.evidence = std::move(evidence);
     }
     return false;
@@ -220,16 +220,17 @@ class Search {
           agree += agrees[v] > 0;
         }
     if (static_cast<double>(agree) < plane_normals * static_cast<double>(compared))
-      return reject({-10, "authored normals", "the places lie in a plane, the normals are others"});
-    if (mesh_.triangles.size() < fewest_in_a_plane)
       return reject(
-          {-10, "polygon",
-           "a polygon of " + std::to_string(mesh_.triangles.size()) + " triangles: a plane says no more"});
+          {-10, "authored normals", "the positions lie in a plane, but the normals are not the plane's"});
+    if (mesh_.triangles.size() < fewest_in_a_plane)
+      return reject({-10, "polygon",
+                     "a polygon of " + std::to_string(mesh_.triangles.size()) +
+                         " triangles: too few to claim a plane"});
     std::optional<MeshFit> fit = by_uvs(planar_, UvMaps::any);
     if (!fit) fit = fit_positions(mesh_, SurfaceSpecification{"plane", {}}, placement_);
     if (fit)
-      return take(std::move(*fit),
-                  {evidence_needed + 4, "polygon", "all places lie in a plane, and the normals are its"});
+      return take(std::move(*fit), {evidence_needed + 4, "polygon",
+                                    "all positions lie in a plane, and the normals are the plane's"});
     result_.reason = ": the places lie in a plane";
     result_.evidence = Evidence{-10, "polygon", ""};
   }

@@ -297,7 +297,7 @@ std::optional<Evidence> against_any_surface(const Shape& shape) {
     return Evidence{-10, rival, rival + ": " + why};
   };
   if (shape.places.size() < fewest)
-    return against("polyhedron", std::to_string(shape.places.size()) + " places lie on many surfaces");
+    return against("polyhedron", std::to_string(shape.places.size()) + " positions lie on many surfaces");
   if (shape.turning > 0 && shape.moderate < 1 - most_polyhedral && shape.places.size() < many_places)
     return against("polyhedron", rounded(100 * (1 - shape.moderate), 3) +
                                      " % of its edges turn by more than " + rounded(crease_deg, 3) + " deg");

@@ -31,10 +31,10 @@ void add_common(CLI::App& sub, Common& common, const std::string& example) {
 
 void add_read_options(CLI::App& sub, Common& common) {
   sub.add_flag("--allow-outside", common.read.allow_outside,
-               "open files outside the folder of a .gltf that it names by ../ or a symbolic link");
+               "also open files outside the folder of a .gltf that it refers to by ../ or a symbolic link");
   sub.add_flag_callback(
       "--no-sandbox", [&common] { common.read.sandbox = false; },
-      "do not confine the process that reads OBJ and FBX; only for kernels without seccomp");
+      "do not sandbox the process that reads OBJ and FBX; needed only on kernels without seccomp");
   sub.add_option_function<std::uint64_t>(
          "--max-memory", [&common](const std::uint64_t& bytes) { common.read.max_memory = bytes; },
          "largest size of the decoded content of a glTF, COLLADA, PLY or image, such as 8GiB [4GiB or 16 "

@@ -184,18 +184,17 @@ void add_converge(CLI::App& app, Common& common) {
   sub.add_option("SURFACE", arguments->named,
                  std::string(surface_help) + " [torus:major_radius=1,minor_radius=0.4 sphere cylinder]");
   list("--surfaces", arguments->surfaces,
-       "surfaces, separated by commas, beside those named before; either replaces the default");
+       "surfaces, separated by commas, in addition to positional ones; either replaces the default");
   list("--methods", arguments->methods, "some of " + methods + " [all]");
   list("--meshes", arguments->meshes, "some of " + meshes + " [jittered,regular,sheared]");
   sub.add_option("--resolutions", arguments->resolutions,
                  "rows of the meshes, with twice as many columns (lantern: 2 sqrt(rows)): 8..256 (doubling) "
                  "or 8,16,32; at least "
                  "three [8..128]");
-  sub.add_option("--v-range", arguments->v_range,
-                 "mesh only this part of the surface: FIRST,LAST in [0, 1] [0,1]");
+  sub.add_option("--v-range", arguments->v_range, "mesh only this range of v: FIRST,LAST in [0, 1] [0,1]");
   sub.add_option("--seed", arguments->seed, "seed of the first random mesh [1]")->check(whole_number);
   sub.add_option("--seeds", arguments->seeds,
-                 "random meshes per resolution, whose spread widens the intervals; one above 256 rows [3]")
+                 "random meshes per resolution (one above 256 rows); their spread widens the intervals [3]")
       ->check(whole_number_between(1, most_seeds));
   add_report_options(
       sub, arguments->report,

@@ -360,7 +360,7 @@ void add_fit(CLI::App& app, Common& common) {
                  "standard deviation of each coordinate, in the units of the points, if it is known; "
                  "otherwise it is estimated");
   sub.add_flag("--with-uv", arguments->with_uv,
-               "use the uvs of the file as the places of the points on the surface");
+               "take the uvs of the file as the (u, v) of the points on the surface");
   sub.add_option("--seed", arguments->seed, "seed of the random samples: the same seed gives the same result")
       ->capture_default_str()
       ->check(whole_number);

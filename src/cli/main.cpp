@@ -72,7 +72,7 @@ int run(int argc, char** argv) {
       "\nSURFACE is NAME, NAME:PARAMETER=VALUE,... or formula:file=FILE; `darboux surfaces` lists the "
       "names.\n`darboux COMMAND --help` or `darboux help COMMAND` explains a command.\n"
       "Exit status: 0 success; 1 the answer is negative: a check failed, the verdict is fail or "
-      "undetermined, files differ,\nno surface was found, nothing could be written; 2 usage error, "
+      "undetermined, files differ,\nno surface was found, there was no result to write; 2 usage error, "
       "unreadable input, or output that cannot be written.");
   darboux::Common common;
   darboux::add_surfaces(app, common);

@@ -51,7 +51,7 @@ constexpr Count texel_counts[] = {
     {"no_frame", &NormalMapResult::no_frame, "covered texels without a frame, left to --dilate, else empty"},
     {"too_long", &NormalMapResult::too_long, "texels with x² + y² > 1, whose z is taken as 0"},
     {"outside_map", &NormalMapResult::outside_map,
-     "texels of triangles lie outside of the map, which clamps"},
+     "texels of triangles lie outside the map, where it clamps"},
     {"degenerate_uv_triangles", &NormalMapResult::degenerate_uv_triangles,
      "triangles without area in uv cover nothing"},
     {"mixed_sign_triangles", &NormalMapResult::mixed_sign_triangles,
@@ -227,9 +227,10 @@ Json conflict_json(const NormalMapResult& r, std::span<const MapPiece> pieces) {
 
 void print_conflict(const NormalMapResult& r, std::span<const MapPiece> pieces) {
   const MapConflict& c = *r.first_conflict;
-  std::cout << "refused: " << r.conflicts << " texels that triangles want to be of different codes, first ("
-            << c.x << ", " << c.y << "):\n  " << owner_text(c.owners[0], pieces) << " and "
-            << owner_text(c.owners[1], pieces) << '\n';
+  std::cout << "refused: " << r.conflicts
+            << " texels for which triangles give different codes, the first at (" << c.x << ", " << c.y
+            << "):\n  " << owner_text(c.owners[0], pieces) << " and " << owner_text(c.owners[1], pieces)
+            << '\n';
 }
 
 }  // namespace darboux

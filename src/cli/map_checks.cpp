@@ -29,13 +29,13 @@ std::vector<MapFinding> findings_of(const NormalMapCheck& check, const std::stri
   add(check.below_surface != 0, "BELOW_SURFACE",
       std::to_string(check.below_surface) + " texels have z <= 0; a map in object space has many");
   add(check.z_channel.value_or(2) != 2, "Z_CHANNEL",
-      std::string("z looks to be in ") + channel_names[check.z_channel.value_or(2)] + ", expected in blue");
-  add(check.swapped.value_or(false), "SWAPPED", "red and green look to have changed places");
+      std::string("z seems to be in ") + channel_names[check.z_channel.value_or(2)] + ", expected in blue");
+  add(check.swapped.value_or(false), "SWAPPED", "red and green seem to be swapped");
   add(check.green.value_or(expected) != expected, "GREEN",
       std::string("green points ") +
           (expected == MapGreen::opengl ? "down, expected up" : "up, expected down") + ": " +
           std::to_string(check.voting_cells) + " cells tell, " + rounded(100 * check.agreeing, 3) +
-          " % alike (red the other way round looks the same)");
+          " % alike (an inverted red channel would look the same)");
   return result;
 }
 

@@ -94,7 +94,7 @@ void run_mesh(const MeshArguments& arguments, const Common& common) {
   Mesh mesh = make(surface, o, dropped);
   if (!any_area(mesh))
     throw ParameterError("mesh", expected_got("triangles with an area, of positions that floats hold",
-                                              "none: a finer grid, or another size, has some"));
+                                              "none: try a finer grid, or another size"));
   if (arguments.no_tangents) mesh.tangents.clear();
   Json how{{"surface", surface.specification()}, {"topology", arguments.topology}};
   if (arguments.grid.empty())

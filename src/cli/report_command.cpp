@@ -16,7 +16,7 @@ constexpr std::array formats{"html", "md", "svg", "json"};
 }  // namespace
 
 void add_report_options(CLI::App& sub, ReportArguments& arguments, const std::string& presets) {
-  sub.add_option("--preset", arguments.preset, "values of options that are not given: " + presets)
+  sub.add_option("--preset", arguments.preset, "defaults for options that are not given: " + presets)
       ->capture_default_str();
   sub.add_option("--study", arguments.study,
                  "read the options from this JSON file; those on the command line take precedence");

@@ -13,7 +13,7 @@ namespace darboux {
 
 /// Of a file, not of a mesh: no finding of the library.
 inline constexpr FindingKind unreadable_file{"FILE_UNREADABLE", Severity::error, "the file cannot be read",
-                                             "see what the message expects, and export the file anew"};
+                                             "see what the message expects, and export the file again"};
 
 /// "the message. To do: what to do"
 std::string with_to_do(const std::string& message, std::string_view to_do);

@@ -260,7 +260,7 @@ void print_text(const SceneReport& r) {
                               std::string(attribute_infos[a].name));
   if (!r.path.empty() && evaluated)
     std::cout << share_line(r.samples_evaluated, plan.samples_full,
-                            "evaluated anew: the camera before had the others");
+                            "evaluated anew; the others were kept from the camera before");
   std::vector<std::string> bounds;
   if (std::isfinite(r.request.chord_px))
     bounds.push_back(rounded(r.request.chord_px, 6) + (r.request.chord_px == 1 ? " pixel" : " pixels"));

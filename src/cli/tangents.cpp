@@ -127,7 +127,7 @@ void print_text(const FileTangents& result, std::ostream& out) {
     if (p.morph_targets != 0) out << ", " << counted(p.morph_targets, "morph target");
     if (p.fallback_corners != 0)
       out << "; at " << counted(p.fallback_corners, "corner")
-          << " the method has no direction: some other was written";
+          << " the method has no direction: an arbitrary one was written";
     out << '\n';
   }
   for (const SkippedPrimitive& s : result.skipped)

@@ -245,7 +245,7 @@ void add_validate(CLI::App& app, Common& common) {
   sub.add_flag("--strict", arguments->strict, "treat warnings as errors, and undetermined as fail");
   sub.add_option("--only", arguments->only,
                  "needed: judge only primitives whose materials read tangents; formats other than glTF do "
-                 "not say, and all of theirs are judged")
+                 "not say, so all of their primitives are judged")
       ->check(CLI::IsMember({"needed"}));
   sub.add_option(
       "--exclude", arguments->exclude,

@@ -134,7 +134,8 @@ void print_map_cost(const AssessedMapCost& of) {
               << rounded(angles.rms, 3) << std::setw(9) << rounded(angles.max, 3) << '\n';
   }
   if (cost->conflicts != 0)
-    std::cout << "      " << cost->conflicts << " texels are wanted in two ways: no one map holds all\n";
+    std::cout << "      " << cost->conflicts
+              << " texels need two different values: no single map holds both\n";
 }
 
 }  // namespace darboux

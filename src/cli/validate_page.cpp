@@ -231,7 +231,7 @@ std::string reference_text(const Assessment& assessment) {
   if (report.handedness.convention != HandednessConvention::none)
     words += " The sign w follows the convention " + text(name_of(report.handedness.convention)) + '.';
   if (report.mikktspace)
-    words += " MikkTSpace's tangents are met to the bit at " +
+    words += " The tangents equal MikkTSpace's to the bit at " +
              rounded(100 * report.mikktspace->equal_bits, 4) + " % of corners.";
   return "<p>" + words + "</p>\n";
 }

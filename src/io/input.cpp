@@ -85,7 +85,7 @@ bool Lines::next(bool comments) {
     text_ = trimmed(text_);
   } while (text_.empty() || (text_[0] == '#' && !comments));
   if (text_.find('\r') != std::string_view::npos)
-    fail("a carriage return within a line, where old Macs end theirs");
+    fail("a carriage return within a line, the line end of old Macs");
   return true;
 }
 

@@ -54,7 +54,7 @@ Type ply_type(std::string_view word, const Lines& lines) {
                                                                      {"float64", Type::f64}}};
   for (const auto& [name, type] : names)
     if (word == name) return type;
-  lines.fail(in_quotes(word) + ", which is no type of PLY");
+  lines.fail(in_quotes(word) + ", which is not a PLY type");
 }
 
 PlyHeader read_header(Lines& lines, const std::string& path) {

@@ -29,7 +29,7 @@ Type pcd_type(std::string_view kind, std::uint64_t bytes, const Lines& lines) {
                                    {"F4", Type::f32},
                                    {"F8", Type::f64}})
     if (std::string(kind) + std::to_string(bytes) == name) return type;
-  lines.fail("TYPE " + in_quotes(kind) + " of SIZE " + std::to_string(bytes) + ", which is no type of PCD");
+  lines.fail("TYPE " + in_quotes(kind) + " of SIZE " + std::to_string(bytes) + ", which is not a PCD type");
 }
 
 // Data that PCL compressed with LZF: two counts of bytes, and behind them for each field its numbers of all

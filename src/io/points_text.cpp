@@ -130,10 +130,9 @@ PointFile read_table(PointReader& reader) {
       if (columns.slots[k] >= 0)
         point[static_cast<std::size_t>(columns.slots[k])] = number_of(fields[k], lines);
     if (without_header && columns.normals && no_normals.empty() && !may_be_normal(point))
-      no_normals =
-          "line " + std::to_string(lines.number()) +
-          ": columns 4 to 6 are no normal of unit length; without a header the columns after the third "
-          "are passed over";
+      no_normals = "line " + std::to_string(lines.number()) +
+                   ": columns 4 to 6 are not unit normals; without a header the columns after the third "
+                   "are passed over";
     reader.add(columns, point, "line ", lines.number());
   }
   PointFile result = reader.finish();

@@ -52,7 +52,7 @@ namespace reasons {
 
 inline constexpr Reason unsure{
     "; by the recognised surface, with which too few corners agree to call that an error",
-    "nothing, where the mesh is no such surface; else declare it (--surface), and mend what is off"},
+    "nothing, if the mesh is not that surface; otherwise declare it (--surface), and correct what is off"},
     edge{
         "; at borders, seams and creases of the recognised surface, or blended from there, where they may be "
         "authored: the corners' own triangles do not speak against them",

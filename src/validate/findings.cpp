@@ -13,8 +13,9 @@ using enum Severity;
 constexpr std::array kinds{
     FindingKind{"TANGENT_NOT_FINITE", error, "tangents hold NaN or infinity",
                 "look for a division by a zero length or uv area in the exporter"},
-    FindingKind{"TANGENT_ZERO", error, "tangents are zero: no direction for the normal map here",
-                "give the vertex any direction across the normal; leave out triangles without area"},
+    FindingKind{
+        "TANGENT_ZERO", error, "tangents are zero: no direction for the normal map here",
+        "give the vertex any direction perpendicular to the normal; leave out triangles without area"},
     FindingKind{"TANGENT_NOT_UNIT", error, "tangents are not of unit length",
                 "normalise before writing; undo scale in quantised data"},
     FindingKind{"TANGENT_INVALID_SIGN", error, "w of the tangent is neither +1 nor -1",
@@ -25,8 +26,8 @@ constexpr std::array kinds{
                 "w differs from the rest of its uv island: the normal map is mirrored here",
                 "compute w from the sign of the uv area; split vertices where uvs are mirrored"},
     FindingKind{"TANGENT_ANGLE", error, "tangents point away from the true direction by more than the limit",
-                "see whether tangents belong to another uv set, or were computed before the uvs or normals "
-                "were changed; a mesh too coarse for the limit needs refining, or --max-angle"},
+                "check whether the tangents belong to another uv set, or were computed before the uvs or "
+                "normals changed; if the mesh is too coarse for the limit, refine it or raise --max-angle"},
     FindingKind{"NORMAL_NOT_FINITE", error, "normals hold NaN or infinity",
                 "look for triangles without area"},
     FindingKind{"NORMAL_NOT_UNIT", error, "normals are not of unit length", "normalise before writing"},
@@ -38,7 +39,7 @@ constexpr std::array kinds{
                 "correct the declaration, or the mesh"},
     FindingKind{"TANGENT_NOT_MIKKTSPACE", warning, "tangents differ from MikkTSpace's by more than the limit",
                 "bake and render with the same tangents: darboux tangents writes MikkTSpace's"},
-    FindingKind{"TANGENT_AXES", warning, "tangents are those of swapped or negated axes",
+    FindingKind{"TANGENT_AXES", warning, "tangents look as if u and v were swapped or negated",
                 "swap or negate the axes where the tangents or uvs are written"},
     FindingKind{"TANGENT_UV_SET", warning, "tangents follow another uv set",
                 "compute them from the set that the normal texture reads"},
@@ -54,12 +55,12 @@ constexpr std::array kinds{
     FindingKind{
         "BINORMAL_AGAINST_V", warning,
         "binormals point where v decreases; exporters of this format have them along v",
-        "negate the binormals, or nothing where the normal map's green channel points down (DirectX)"},
+        "negate the binormals; do nothing where the normal map's green channel points down (DirectX)"},
     FindingKind{
         "HANDEDNESS_MIXED", warning,
         "w follows neither sign convention throughout; the smaller part is counted",
-        "compute w in every part from the sign of the uv area; split vertices across whose seam uvs jump "
-        "back inside triangles"},
+        "compute w in every part from the sign of the uv area; split vertices at a seam where uvs jump back "
+        "inside triangles"},
     FindingKind{"VERTEX_ACROSS_MIRROR", warning,
                 "vertices are shared by triangles whose uvs wind differently: one w cannot serve both",
                 "split vertices where uvs are mirrored"},
@@ -76,19 +77,19 @@ constexpr std::array kinds{
         "the material reads a normal or anisotropy map at a uv set that the mesh lacks: viewers differ",
         "export that uv set, or let the material name one that the mesh has"},
     FindingKind{"REFERENCES_DISAGREE", warning,
-                "the surface's frames and those of the mesh's own positions and uvs differ",
+                "the surface's frames differ from those of the mesh's own positions and uvs",
                 "look for ripples, or declare another surface"},
     FindingKind{"REFERENCE_UNCERTAIN", info,
-                "angles lie within the uncertainty of the reference at the limit",
+                "the reference is too uncertain to tell whether these angles exceed the limit",
                 "declare what you know (--surface with parameters, --placement), or raise --max-angle"},
     FindingKind{"BITANGENT_NOT_ORTHOGONAL", info,
                 "u and v are not orthogonal on this surface: w cross(n, t) cannot follow v, which is a limit "
                 "of the format",
                 "nothing, where baker and renderer both take w cross(n, t)"},
     FindingKind{"POLE_TANGENT", info,
-                "tangents at a pole are farther than allowed from the limit for their own u; no direction is "
-                "right there for every texture",
-                "nothing; best is a separate vertex per column"},
+                "tangents at a pole differ from the limit frame at their own u by more than allowed; no "
+                "direction there is right for every texture",
+                "nothing; a separate vertex per column is best"},
     FindingKind{"NORMALS_INWARD", info,
                 "normals and triangles face against the surface's normal, as on the inside of a sphere; they "
                 "were compared with its opposite",
@@ -107,11 +108,12 @@ constexpr std::array kinds{
                 "add them: darboux tangents in.glb -o out.glb; export other formats as .glb first"},
     FindingKind{"NORMAL_MISSING", info, "the mesh stores no normals: neither they nor bitangents are judged",
                 "add normals, or compute them when the mesh is loaded"},
-    FindingKind{"UV_MISSING", info, "the mesh has no uvs, so tangents have no truth", "unwrap it"},
-    FindingKind{"UV_WITHOUT_AREA", info,
-                "no triangle has area in uv: no tangent is judged, nor seen under a normal map",
-                "nothing, where the material reads one texel; else unwrap it"},
-    FindingKind{"SURFACE_UNKNOWN", info, "none of the kinds that are recognised fits",
+    FindingKind{"UV_MISSING", info, "the mesh has no uvs, so tangents cannot be judged", "unwrap it"},
+    FindingKind{
+        "UV_WITHOUT_AREA", info,
+        "no triangle has area in uv: tangents are not judged, and have no visible effect under a normal map",
+        "nothing, where the material reads one texel; else unwrap it"},
+    FindingKind{"SURFACE_UNKNOWN", info, "no kind of surface that can be recognised fits",
                 "nothing; if you know the surface, declare it (--surface)"},
     FindingKind{
         "BUDGET_SPENT", info,
@@ -132,10 +134,12 @@ constexpr std::array kinds{
     FindingKind{"TRIANGLES_MISSING", info, "the primitive has no triangle (counted in primitives)",
                 "nothing to judge"},
     FindingKind{"VERTEX_UNREFERENCED", info,
-                "vertices that no triangle uses (counted in vertices), not judged", "leave them out"},
-    FindingKind{"MORPH_TARGETS_NOT_JUDGED", info,
-                "the mesh is judged at weights of 0, its morph targets are not (counted in targets)",
-                "nothing, or let darboux tangents write the tangents of the targets too"},
+                "no triangle uses these vertices (counted in vertices); they are not judged",
+                "leave them out"},
+    FindingKind{
+        "MORPH_TARGETS_NOT_JUDGED", info,
+        "the mesh is judged with all morph weights 0; its targets are not judged (counted in targets)",
+        "nothing, or let darboux tangents write the tangents of the targets too"},
     FindingKind{"NODE_MIRRORED", info,
                 "nodes mirror the mesh (counted in nodes): renderers must flip w and the winding",
                 "check that the renderer flips w and the winding"},

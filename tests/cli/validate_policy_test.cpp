@@ -138,7 +138,7 @@ TEST_F(Policy, OneFileHasItsVerdict) {
 // The text of one file ends with what to do, once for each kind of what was found, warnings too.
 TEST_F(Policy, OneFileEndsWithWhatToDo) {
   const std::string both = good(bad_, 1),
-                    todo = "\nto do:\n  TANGENT_ZERO: give the vertex any direction across";
+                    todo = "\nto do:\n  TANGENT_ZERO: give the vertex any direction perpendicular";
   EXPECT_NE(both.find(todo), std::string::npos) << both;
   EXPECT_NE(both.find("\n  TANGENT_HANDEDNESS_CONVENTION: negate w"), std::string::npos) << both;
   const std::string out =

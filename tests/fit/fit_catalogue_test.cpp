@@ -138,7 +138,8 @@ TEST(AnyKindFit, SaysWhatThePointsDoNotTell) {
   const Sampled data = sampled("one-sheet-hyperboloid", 1, 3);
   const PointFit fit = fit_catalogue(data.points, "one-sheet-hyperboloid", {});
   ASSERT_TRUE(fit.usable) << fit.reason;
-  EXPECT_NE(fit.reason.find("height not told by the points, held"), std::string::npos) << fit.reason;
+  EXPECT_NE(fit.reason.find("height not determined by the points, held fixed"), std::string::npos)
+      << fit.reason;
   // Nothing of the height, the last parameter; and one motion less, the turn about the axis.
   EXPECT_EQ(fit.covariance.row(8).norm(), 0);
   EXPECT_EQ(fit.covariance.col(8).norm(), 0);

@@ -518,9 +518,9 @@ TEST(FitPoints, FindsNoSurfaceWhereNeighboursAreAlike) {
     const double x = r.uniform(-1, 1), y = r.uniform(-1, 1);
     return Eigen::Vector3d(Eigen::Vector3d(x, y, x > 0 ? 0.3 : -0.3) + 0.01 * r.normals());
   });
-  expect_unusable(cube, "auto", "neighbouring points are alike");
+  expect_unusable(cube, "auto", "neighbouring points are correlated");
   for (const auto& [cloud, kind] : {std::pair{&cube, "sphere"}, {&step, "plane"}})
-    EXPECT_NE(fit_points(*cloud, of_kind(kind)).reason.find("neighbouring points are alike"),
+    EXPECT_NE(fit_points(*cloud, of_kind(kind)).reason.find("neighbouring points are correlated"),
               std::string::npos)
         << kind;
 }
@@ -540,7 +540,7 @@ TEST(FitPoints, TakesRoundingsForWhatTheyAre) {
       for (const std::string kind : {"auto", "cylinder"}) {
         const PointFit fit = fit_points(cloud, of_kind(kind));
         EXPECT_TRUE(fit.usable) << around << 'x' << along << ' ' << kind << ": " << fit.reason;
-        EXPECT_EQ(fit.reason.find("alike"), std::string::npos) << fit.reason;
+        EXPECT_EQ(fit.reason.find("correlated"), std::string::npos) << fit.reason;
       }
     }
 }

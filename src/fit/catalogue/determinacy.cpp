@@ -114,8 +114,8 @@ std::string add_covariance(const Estimate& e, const ReducedNormalEquations& know
     intervals.add_number(name, parameters[static_cast<std::size_t>(k - 6)].value, fit.covariance(k, k));
   }
   std::string held;
-  if (!alone.empty()) held += "; " + joined(alone) + " not told by the points, held";
-  if (!combined.empty()) held += "; of " + joined(combined) + " only combinations told by the points";
+  if (!alone.empty()) held += "; " + joined(alone) + " not determined by the points, held fixed";
+  if (!combined.empty()) held += "; of " + joined(combined) + " the points determine only combinations";
   const Eigen::Vector3d axis = e.shape.placement.linear().col(2), origin = e.shape.placement.translation();
   const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis * axis.transpose();
   intervals.add_length("axis_deg", across * fit.covariance.topLeftCorner<3, 3>() * across,

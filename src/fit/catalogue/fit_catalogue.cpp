@@ -91,7 +91,7 @@ class CatalogueFit {
     const std::vector<Start> starts = all_starts();
     if (starts.empty()) return "no start of " + a_kind_ + " is near the points";
     std::optional<Estimate> best = best_of(starts);
-    if (!best) return "no start of " + a_kind_ + " leads anywhere";
+    if (!best) return "no start of " + a_kind_ + " converges";
     return report(*best);
   }
 
@@ -199,7 +199,7 @@ class CatalogueFit {
     fit_.rms = inliers.empty() ? 0 : std::sqrt(squares / static_cast<double>(inliers.size()));
     const std::string found = "the best " + kind_ + " found ";
     if (!flat_ && plane_is_as_good(inliers, fit_.rms, static_cast<double>(unknowns_), size_))
-      return found + "is not told from a plane; points over a larger part of it or less noise help";
+      return found + "cannot be told from a plane; points over a larger part of it or less noise help";
     if (!best.converged) return "the fit of " + a_kind_ + " did not converge";
     if (inliers.size() < unknowns_ || 2 * inliers.size() < points_.size())
       return "only " + std::to_string(inliers.size()) + " of " + std::to_string(points_.size()) +

@@ -150,8 +150,8 @@ std::optional<Vec2<double>> foot(const AnySurface& surface, const Vec3<double>& 
 
 std::string_view at_limit(const GeometricParameters& n, double deviation) {
   const double angle = n.lengths[0], from_plane = std::numbers::pi / 2 - angle;
-  if (angle < 1e-3 || deviation > angle) return "not told from a cylinder";
-  if (from_plane < 1e-3 || deviation > from_plane) return "not told from a plane";
+  if (angle < 1e-3 || deviation > angle) return "indistinguishable from a cylinder";
+  if (from_plane < 1e-3 || deviation > from_plane) return "indistinguishable from a plane";
   return {};
 }
 

@@ -94,7 +94,7 @@ Determinacy identifiability(const PrimitiveFit& f, double k) {
   for (std::size_t j = 0; j < static_cast<std::size_t>(f.primitive->lengths); ++j) {
     const double length = f.surface.lengths[j];
     const std::string name(f.primitive->length_names[j]);
-    if (length > 1e3) return unsure("has a " + name + " that is not told from infinity" + help);
+    if (length > 1e3) return unsure("has a " + name + " that cannot be told from infinity" + help);
     if (length < 1e-3) return none("shrinks to a point or a line: no fit");
     if (ratio * deviation(f, j) > length)
       return unsure("has a " + name + " known to " + rounded(100 * deviation(f, j) / length, 2) + " % only" +

@@ -221,7 +221,7 @@ class PrimitivesFit {
       selection.reason += "; " + walls;
     }
     if (are_alike) {
-      const std::string alike = "distances of neighbouring points are alike, not noise";
+      const std::string alike = "distances of neighbouring points are correlated, so they are not noise";
       if (automatic())
         return "undetermined: the nearest is " + name + ", but " + alike +
                "; the surface is of another kind, or that was not found: naming it or a guess help";
@@ -355,7 +355,8 @@ class ClumpedFit {
     };
     const double ratio = all.sigma * all.sigma / (beside.sigma * beside.sigma);
     if (!(ratio > wider && chance_of_ratio(ratio, freedom(all), freedom(beside)) < by_chance)) return all;
-    beside.reason = std::string(undetermined) + "beside " + clump + " that may be of the surface or not, " +
+    beside.reason = std::string(undetermined) + "beside " + clump +
+                    " that may or may not belong to the surface, " +
                     beside.reason.substr(undetermined.size());
     return beside;
   }

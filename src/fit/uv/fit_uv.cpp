@@ -417,8 +417,8 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
     const ParameterValue& p = kind.parameters[static_cast<std::size_t>(k)];
     if (kind.may_be_zero[static_cast<std::size_t>(k)]) continue;
     if (std::fabs(value(k)) < 3 * fit.standard_errors[static_cast<std::size_t>(k)].value)
-      return "the points do not tell the " + std::string(p.name) + " of the " + std::string(kind.name) +
-             " from zero";
+      return "the points do not distinguish the " + std::string(p.name) + " of the " +
+             std::string(kind.name) + " from zero";
     if (const double times = std::fabs(value(k)) / fit.sigma;
         kind.length[static_cast<std::size_t>(k)] && times < 5)
       return "the " + std::string(p.name) + " of the best " + std::string(kind.name) + " is only " +
@@ -583,13 +583,13 @@ class UvFit {
       if (i == 0) against_first = why;
       if (!why.empty()) continue;
       if (chosen)
-        return "undetermined: " + described_as + " and " + described(t) + " explain the points alike";
+        return "undetermined: " + described_as + " and " + described(t) + " explain the points equally well";
       chosen = std::move(attempt);
       described_as = described(t);
       chosen_kind = t.model.kind;
       best_bic = t.bic(count_);
       if (residuals_are_alike(t, data_, chosen->is_inlier)) {
-        const std::string alike = "residuals of neighbouring points are alike, not noise";
+        const std::string alike = "residuals of neighbouring points are correlated, so they are not noise";
         if (automatic())
           return "undetermined: the nearest is " + fit::with_article(described_as) + ", but " + alike +
                  ": the surface is of another kind, or its uvs are stretched";
