@@ -80,7 +80,7 @@ class AnySurface {
     return held_->jet(u, v, values);
   }
   Frame<double> frame(double u, double v) const { return held_->frame(u, v); }
-  /// That of the frame there.
+  /// frame(u, v).status, at the cost of frame().
   Status status(double u, double v) const { return frame(u, v).status; }
   ParametricFrame<double> parametric_frame(double u, double v) const { return held_->parametric_frame(u, v); }
   Sample<double> sample(double u, double v) const { return make_sample(u, v, jet(u, v), frame(u, v)); }

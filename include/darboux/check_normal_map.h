@@ -31,7 +31,7 @@ struct NormalMapCheck {
   std::optional<int> z_channel;  ///< 0, 1 or 2: the channel that is above 1/4 on average and the largest
   /// Which way green points; nothing where the map does not tell: see below.
   std::optional<MapGreen> green;
-  std::optional<bool> swapped;   ///< red and green have changed places
+  std::optional<bool> swapped;   ///< red and green are swapped
   std::size_t voting_cells = 0;  ///< on which `green` rests
   double agreeing = 0;           ///< the share of them that say so
 };
@@ -43,7 +43,7 @@ struct NormalMapCheck {
 /// central differences between means of s x s texels, s = 1, 2, 4, .... A cell votes if each of the two
 /// exceeds what rounding to 8 bits can cause: |δ(x/z)| <= (1 + |x/z|) / (255 z - 1), whatever the depth of
 /// the map. A map of f(u) + g(w) has no such cell, so its green is not guessed. The map is a relief at a
-/// scale if its residual there, Σ (h_uw - h_wu)² over Σ (h_uw² + h_wu²), is small: it is 0 for a
+/// scale if its residual there, Σ (h_uw ∓ h_wu)² over Σ (h_uw² + h_wu²), the smaller, is small: it is 0 for a
 /// gradient, 1 for unrelated slopes. `green` is decided if at some scale at least 16 cells vote, 4/5 of them
 /// agree, and the residual is at most 0.2. A baked map of what the triangles leave out is no relief and stays
 /// undecided. A flipped red looks the same as a flipped green.

@@ -139,7 +139,7 @@ struct ConvergeOptions {
 /// surface is singular along a line. A family's shear vanishes at the poles: pole and pole_ring go by the
 /// chart without shear, with an order of at most 1 if the method is not made for the sheared chart. \param
 /// progress called with the share done, in [0, 1] \throws ParameterError when the resolutions or the range of
-/// v are not as above, or a surface has no such mesh
+/// v are not as above, a family or method is a null pointer, or a surface has no such mesh
 std::vector<Study> converge(const ConvergeOptions& options, const std::function<void(double)>& progress = {});
 
 /// The pieces that converge() is made of, for those who run them elsewhere: one mesh of one surface each.

@@ -119,7 +119,7 @@ const std::vector<std::string_view>& found_kinds();
 /// points. Every other kind must be less likely by odds of exp(5), or the points must hold it near a limit in
 /// which it is the chosen kind, as a cone of small half-angle beside a cylinder. Otherwise the fit is not
 /// usable ("undetermined: ..."). Nor is it usable if a kind that did not converge or is not determined does
-/// better, or if the distances of neighbouring points are alike (another surface). A torus that crosses
+/// better, or if the distances of neighbouring points are correlated (another surface). A torus that crosses
 /// itself is not among the choices. A named kind may be any of the catalogue, except those without
 /// parameters, those with more than 12, and the superellipsoid. Kinds that are not in found_kinds() are
 /// fitted from their default proportions; so is elliptic-paraboloid, whose semi-axes may then differ.

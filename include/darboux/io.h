@@ -101,8 +101,8 @@ struct Primitive {
   SignConvention sign = SignConvention::gltf;
   /// Indices at the end that are no whole triangle; they are left out.
   std::size_t leftover_indices = 0;
-  /// The TEXCOORD set at which the material reads the normal map, or another map of the tangent frame, if the
-  /// mesh lacks that set.
+  /// The TEXCOORD set of the material's first texture that reads the tangent frame, if the mesh lacks that
+  /// set.
   std::optional<std::uint64_t> missing_texcoord{};
   /// How many morph targets it has, of a glTF; `data` is the mesh at weights of 0.
   /// GltfDocument::morph_targets reads them.

@@ -231,7 +231,7 @@ class Search {
     if (fit)
       return take(std::move(*fit), {evidence_needed + 4, "polygon",
                                     "all positions lie in a plane, and the normals are the plane's"});
-    result_.reason = ": the places lie in a plane";
+    result_.reason = ": the positions lie in a plane";
     result_.evidence = Evidence{-10, "polygon", ""};
   }
 

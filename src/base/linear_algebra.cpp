@@ -93,10 +93,10 @@ SingularValues singular_value_decomposition(const Eigen::Matrix3d& a) {
   return {svd.matrixU(), svd.singularValues(), svd.matrixV()};
 }
 
-bool is_rigid(const Eigen::Isometry3d& placement) {
+bool is_rigid(const Eigen::Isometry3d& placement, double tolerance) {
   const Eigen::Matrix3d r = placement.linear();
   return placement.matrix().allFinite() && placement.matrix().row(3) == Eigen::RowVector4d(0, 0, 0, 1) &&
-         (r.transpose() * r - Eigen::Matrix3d::Identity()).norm() < 1e-4 && r.determinant() > 0;
+         (r.transpose() * r - Eigen::Matrix3d::Identity()).norm() < tolerance && r.determinant() > 0;
 }
 
 }  // namespace darboux

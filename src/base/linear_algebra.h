@@ -54,7 +54,8 @@ struct SingularValues {
 };
 SingularValues singular_value_decomposition(const Eigen::Matrix3d& a);
 
-// Whether this is a rotation and a translation, to four decimals: matrices come from files and command lines.
-bool is_rigid(const Eigen::Isometry3d& placement);
+// Whether this is a rotation R and a translation: |R^T R - 1| below the tolerance. Matrices come from files
+// and command lines, in five decimals at least.
+bool is_rigid(const Eigen::Isometry3d& placement, double tolerance = 1e-4);
 
 }  // namespace darboux

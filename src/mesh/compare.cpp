@@ -405,10 +405,10 @@ MeshComparison compare(const Mesh& a, const Mesh& b, const CompareOptions& optio
 }
 
 MeshPairs pair_meshes(std::span<const NamedMesh> a, std::span<const NamedMesh> b) {
-  std::vector<Box> box_a, box_b;
   for (const auto& list : {a, b})
     for (const NamedMesh& m : list)
       if (m.data == nullptr) throw MeshError(std::string(m.name), expected_got("a mesh", "a null pointer"));
+  std::vector<Box> box_a, box_b;
   for (const NamedMesh& m : a) box_a.push_back(box_of(*m.data));
   for (const NamedMesh& m : b) box_b.push_back(box_of(*m.data));
   const std::size_t unpaired = b.size();

@@ -92,8 +92,8 @@ struct Agreement {
 
 constexpr std::size_t least_votes = 16;
 constexpr double least_share = 0.8;
-// Reliefs, compressed and noisy ones too, have a scale below it. Baked maps of what triangles leave out,
-// which are no relief, stay above: 0.28 and more in 150 of them.
+// Most reliefs, compressed and noisy ones too, have a scale below it. Baked maps of what triangles leave out
+// are no relief and stay above: the least of 150 was 0.28.
 constexpr double relief = 0.2;
 
 struct ScaleAgreement {

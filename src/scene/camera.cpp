@@ -61,7 +61,7 @@ Camera between(const Camera& from, const Camera& to, double t) {
 
 void Camera::check() const {
   expect(pose.matrix().allFinite(), "camera pose", "finite numbers", "others");
-  expect(is_rigid(pose), "camera pose", "a rotation", "a matrix that scales, shears or mirrors");
+  expect(is_rigid(pose, 1e-5), "camera pose", "a rotation and a translation", "another matrix");
   expect(width_px >= 1 && height_px >= 1, "image size", "at least 1 x 1 pixel",
          std::to_string(width_px) + " x " + std::to_string(height_px));
   expect(std::isfinite(near_distance) && far_distance > near_distance, "camera", "near < far",

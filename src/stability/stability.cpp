@@ -87,8 +87,8 @@ Scales scale_of(const Case& c) {
   return result;
 }
 
-// Lengths for steps: what a sine of these first, second and third derivatives has for a turn, and short of
-// the nearest break.
+// Lengths for steps: what a sine of these first, second and third derivatives has for a turn, short of the
+// nearest break, and no more than steps within the domain need.
 std::array<double, 2> lengths(const Case& c, const std::array<double, 6>& scale,
                               const std::array<double, 2>& third) {
   std::array<double, 2> result{};
@@ -100,8 +100,8 @@ std::array<double, 2> lengths(const Case& c, const std::array<double, 6>& scale,
          {scale[first] / scale[second], scale[second] / third[static_cast<std::size_t>(along)]})
       if (quotient > 0) turn = std::fmin(turn, 2 * std::numbers::pi * quotient);
     length = std::isfinite(turn) && turn > 0 ? std::exp2(std::floor(std::log2(turn) + 0.5)) : 1;
-    // No route's step is longer than an eighth of it. What nearly is a line tells nothing of how far it goes
-    // on: no step leaves a whole domain behind.
+    // No route's step is longer than an eighth of it. The derivatives of a nearly straight line say nothing
+    // about the rest of the domain: steps stay within its size.
     const Vec2<double> corner = c.coordinates({0, 0});
     const auto to = [&](const Vec2<double>& other) {
       const Vec2<double> at = c.coordinates(other);

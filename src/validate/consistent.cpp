@@ -22,9 +22,10 @@ namespace {
 
 constexpr double one_sided = 3;            // times the limit
 constexpr double most_turned_on_deg = 45;  // from the next triangles to a border
-// A map of scales up to 3 : 1 takes the normal's direction off the new normal by up to atan(4/3).
-constexpr double lean_of_scale = 4.0 / 3, most_lean_deg = 45;
-constexpr double most_scaled = 0.03;  // share of those that a scale takes outside
+// Of a baked scale: up to 3 : 1 it turns the direction that was the normal's away from the new normal, by an
+// angle whose tangent is at most (3 - 1/3) / 2. How far that is followed, and for what share of the tangents
+// of a mesh, are choices.
+constexpr double lean_of_scale = 4.0 / 3, most_lean_deg = 45, most_scaled = 0.03;
 constexpr double uniform_deg = 0.1;
 // Normals at one place that count as one. assimp's dot product is 0.9999.
 constexpr double alike_deg = 0.9;
@@ -47,10 +48,6 @@ bool are_alike(const Vec3<double>& a, const Vec3<double>& n) {
   static const double least = std::cos(alike_deg / degrees_per_radian);
   const double along = dot(a, n);
   return along > 0 && along * along >= least * least * dot(a, a);
-}
-
-std::size_t place_of(std::uint32_t v, int sign) {
-  return 2 * std::size_t{v} + (sign > 0 ? 1 : 0);
 }
 
 // A multiple of dpdu in its direction, of ordinary size; zero or NaN where there is none.
@@ -151,9 +148,7 @@ class Closely {
 
   double outside_deg(std::uint32_t v, const Arc& cone) const {
     const double away = std::fabs(std::remainder(cone.middle, 2 * pi)) - cone.half;
-    const double rounding =
-        std::numbers::sqrt3 * half_step(mesh_.half_steps.tangent, 1) / norm(mesh_.tangents[v].xyz());
-    return degrees_per_radian * (away - rounding);
+    return degrees_per_radian * (away - tangent_rounding(mesh_, v));
   }
 
   struct Direction {
@@ -568,7 +563,6 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
       const std::size_t place = place_of(v, sign);
       if (!asked[place] || claims_[place] == Claim::within) continue;
       const auto [claim, left, by_scale] = closely.assess(v, sign, limit_deg[v]);
-      if (claim == Claim::beyond && is_mikktspaces(mesh, v, sign, mikktspace, limit_deg[v])) continue;
       claims_[place] = claim;
       if (by_scale) scaled.push_back(place);
       if (left)
@@ -577,12 +571,24 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
                             static_cast<float>(std::remainder(degrees_per_radian * left->middle, 360)),
                             static_cast<float>(degrees_per_radian * left->half)});
     }
+  leave_out_mikktspaces(mesh, raw_sign, mikktspace, limit_deg);
   const auto beyond = std::count(claims_.begin(), claims_.end(), Claim::beyond),
              within = std::count(claims_.begin(), claims_.end(), Claim::within);
-  if (static_cast<double>(beyond) <= most_scaled * static_cast<double>(beyond + within) &&
+  if (!scaled.empty() && static_cast<double>(beyond) <= most_scaled * static_cast<double>(beyond + within) &&
       may_be_scaled(mesh, raw_sign, mikktspace))
     for (const std::size_t place : scaled) claims_[place] = Claim::none;
   hold_if_turned(max_angle_deg);
+}
+
+void Cones::leave_out_mikktspaces(const Mesh& mesh, std::span<const signed char> raw_sign,
+                                  const MikktspaceReference& mikktspace, std::span<const double> limit_deg) {
+  std::vector<bool> beyond(claims_.size());
+  for (std::size_t place = 0; place < claims_.size(); ++place)
+    beyond[place] = claims_[place] == Claim::beyond;
+  const std::vector<bool> out = are_mikktspaces(mesh, raw_sign, mikktspace, beyond, limit_deg);
+  for (std::size_t place = 0; place < claims_.size(); ++place)
+    if (out[place]) claims_[place] = Claim::none;
+  std::erase_if(outside_, [&](const Outside& o) { return out[o.place]; });
 }
 
 void Cones::hold_if_turned(double max_angle_deg) {

@@ -20,15 +20,16 @@
 // end of a bend of few columns the exact tangent is half a column outside. Nor at a collapsed edge of the
 // uvs, a pole, of a tangent that is outside by no more than the limit and half of the triangle's angle there:
 // each column has a vertex of its own, which lies on one side of it. Nor of a tangent that is
-// MikkTSpace's, or where MikkTSpace gives none. Nor of 3 % of the tangents, of a mesh whose others are not
-// MikkTSpace's, where they are outside by no more than the limit and what the dpdu of a triangle leans from
-// the plane of the normal, times 4/3 and 45 degrees at most: where a scale was baked into the positions,
-// tangents moved with them and normals by the inverse transpose, which takes few averages out of the cone
-// that the scaled triangles span. But where one turn about the normals, by 30 degrees or more, would bring
-// nine tenths of a mesh's or a part's tangents from outside their cones to within the limit of them, that
-// explains what is left open, and no shape does: those are beyond, too. Of what is left open, and where
-// several charts meet, the cone is then that of the triangles that have the vertex's uv: charts that meet, as
-// at the corners of a smooth cube or at bevels, may be averaged, but not all in one sense.
+// MikkTSpace's, or where MikkTSpace gives none. Nor where it is outside by no more than the limit and 4/3 of
+// what the dpdu of a triangle leans from the plane of the normal, 45 degrees at most, if at most 3 % of a
+// mesh's tangents are outside and fewer than half of those that lean are MikkTSpace's: where a scale was
+// baked into the positions, tangents moved with them and normals by the inverse transpose, which takes few
+// averages out of the cone that the scaled triangles span. But where one turn about the normals, by 30
+// degrees or more, would bring nine tenths of a mesh's or a part's tangents from outside their cones to
+// within the limit of them, that explains what is left open, and no shape does: those are beyond, too. Of
+// what is left open, and where several charts meet, the cone is then that of the triangles that have the
+// vertex's uv: charts that meet, as at the corners of a smooth cube or at bevels, may be averaged, but not
+// all in one sense.
 #pragma once
 
 #include <cstdint>
@@ -41,6 +42,11 @@
 #include "mikktspace_reference.h"
 
 namespace darboux {
+
+// Where vectors with two entries per vertex have that of its triangles of one raw sign: clockwise first.
+inline std::size_t place_of(std::uint32_t v, int sign) {
+  return 2 * std::size_t{v} + (sign > 0 ? 1 : 0);
+}
 
 // A multiple of a triangle's dpdu in its direction, of ordinary size; zero or NaN where there is none.
 // \param sign its raw sign
@@ -78,6 +84,9 @@ class Cones {
     std::uint32_t place;  // in claims_
     float deg, middle, half;
   };
+  // Claims nothing of those that are MikkTSpace's.
+  void leave_out_mikktspaces(const Mesh& mesh, std::span<const signed char> raw_sign,
+                             const MikktspaceReference& mikktspace, std::span<const double> limit_deg);
   // Looks for one turn of all.
   void hold_if_turned(double max_angle_deg);
 

@@ -9,6 +9,7 @@
 
 #include "accurate.h"
 #include "base/flatten.h"
+#include "rounding.h"
 
 namespace darboux {
 namespace {
@@ -65,14 +66,13 @@ MikkVariant variant(const Mesh& mesh, std::span<const std::uint32_t> corners_of,
                                : MikkVariant::none;
 }
 
-// Degrees from MikkTSpace's tangent of that sign; negative where it gives none.
-double from_mikktspaces_deg(const Mesh& mesh, std::uint32_t v, int sign,
-                            const MikktspaceReference& mikktspace) {
-  const Vec4<float>& m = mikktspace.of_vertex(v);
-  if (!(m.w * static_cast<float>(sign) > 0)) return -1;
+// Degrees from a tangent of MikkTSpace's, less what rounding did; negative where that is none.
+double from_mikktspaces_deg(const Mesh& mesh, std::uint32_t v, const Vec4<float>& m) {
+  if (m.w == 0) return -1;
   const Vec3<double>& n = mesh.normals[v];
   const Vec3<double> to{m.x, m.y, m.z};
-  return degrees_per_radian * angle_between(square_to(mesh.tangents[v].xyz(), n), square_to(to, n));
+  const double apart = angle_between(square_to(mesh.tangents[v].xyz(), n), square_to(to, n));
+  return degrees_per_radian * std::fmax(apart - tangent_rounding(mesh, v), 0);
 }
 
 }  // namespace
@@ -123,28 +123,39 @@ MikktspaceComparison compare_with_mikktspace(const MeshUnderTest& under_test,
   return result;
 }
 
-bool is_mikktspaces(const Mesh& mesh, std::uint32_t v, int sign, const MikktspaceReference& mikktspace,
-                    double limit_deg) {
-  if (mikktspace.empty()) return false;
-  if (mikktspace.of_vertex(v).w == 0) return true;
-  const double deg = from_mikktspaces_deg(mesh, v, sign, mikktspace);
-  return deg >= 0 && deg <= limit_deg;
+std::vector<bool> are_mikktspaces(const Mesh& mesh, std::span<const signed char> raw_sign,
+                                  const MikktspaceReference& mikktspace, const std::vector<bool>& asked,
+                                  std::span<const double> limit_deg) {
+  std::vector<bool> result(asked.size(), false), served(asked.size(), false);
+  if (mikktspace.empty()) return result;
+  for (std::size_t c = 0; c < mesh.corners(); ++c) {
+    const std::uint32_t v = mesh.triangles[c / 3][c % 3];
+    const std::size_t place = place_of(v, raw_sign[c / 3]);
+    if (raw_sign[c / 3] == 0 || !asked[place]) continue;
+    const double deg = from_mikktspaces_deg(mesh, v, mikktspace.at(c, v));
+    if (deg < 0) continue;
+    served[place] = true;
+    if (deg <= limit_deg[v]) result[place] = true;
+  }
+  for (std::size_t place = 0; place < asked.size(); ++place)
+    if (asked[place] && !served[place]) result[place] = true;
+  return result;
 }
 
 bool may_be_scaled(const Mesh& mesh, std::span<const signed char> raw_sign,
                    const MikktspaceReference& mikktspace) {
   if (mikktspace.empty()) return true;
-  constexpr double least_lean = 0.09, same_deg = 0.02;  // the tangent of 5 degrees
+  constexpr double least_lean = 0.09;  // the tangent of 5 degrees
+  constexpr double same_deg = 0.02;    // beyond rounding
   std::size_t leaning = 0, same = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (raw_sign[t] == 0) continue;
-    const Vec3<double> along = direction_of_dpdu(mesh, mesh.triangles[t], raw_sign[t]);
-    for (const std::uint32_t v : mesh.triangles[t]) {
-      const Vec3<double> n = unit(mesh.normals[v]);
-      if (!(std::fabs(dot(along, n)) >= least_lean * norm(square_to(along, n)))) continue;
-      const double deg = from_mikktspaces_deg(mesh, v, raw_sign[t], mikktspace);
-      leaning += deg >= 0, same += deg >= 0 && deg <= same_deg;
-    }
+  for (std::size_t c = 0; c < mesh.corners(); ++c) {
+    const Triangle& triangle = mesh.triangles[c / 3];
+    const std::uint32_t v = triangle[c % 3];
+    if (raw_sign[c / 3] == 0) continue;
+    const Vec3<double> along = direction_of_dpdu(mesh, triangle, raw_sign[c / 3]), n = unit(mesh.normals[v]);
+    if (!(std::fabs(dot(along, n)) >= least_lean * norm(square_to(along, n)))) continue;
+    const double deg = from_mikktspaces_deg(mesh, v, mikktspace.at(c, v));
+    leaning += deg >= 0, same += deg >= 0 && deg <= same_deg;
   }
   return 2 * same < leaning;
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <darboux/validate.h>
 
@@ -28,13 +29,17 @@ MikktspaceComparison compare_with_mikktspace(const MeshUnderTest& under_test,
 Angles angles_to_mikktspace(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks,
                             const Vec4<float>& m, bool raw);
 
-// Whether MikkTSpace gives that tangent, or none, though the triangles seem to tell: one edge-on to the
-// normal has a weight that roundings make, or none.
-bool is_mikktspaces(const Mesh& mesh, std::uint32_t v, int sign, const MikktspaceReference& mikktspace,
-                    double limit_deg);
+// Of places that are asked about, a vertex and a sign of its triangles as place_of() has them: whether the
+// stored tangent is within the limit of MikkTSpace's at a corner there, or MikkTSpace gives none at any. A
+// triangle that is edge-on to the normal has a weight that roundings make, or none, though it seems to tell a
+// direction. \param mikktspace may be empty: false of all then
+std::vector<bool> are_mikktspaces(const Mesh& mesh, std::span<const signed char> raw_sign,
+                                  const MikktspaceReference& mikktspace, const std::vector<bool>& asked,
+                                  std::span<const double> limit_deg);
 
-// Whether the positions may have been scaled since the tangents were made: not where half of those that a
-// scale would have moved are MikkTSpace's of the mesh as it is. \param mikktspace may be empty
+// Whether the positions may have been scaled since the tangents were made. Not if half of the tangents that a
+// scale would have moved, where a dpdu leans by 5 degrees or more from the plane of the normal, are
+// MikkTSpace's of the mesh as it is. \param mikktspace may be empty
 bool may_be_scaled(const Mesh& mesh, std::span<const signed char> raw_sign,
                    const MikktspaceReference& mikktspace);
 

@@ -58,8 +58,10 @@ bool is_in_cone(const Vec3<double>& n, const Normals& of) {
   return false;
 }
 
-}  // namespace
-
+// Whether the normals of vertices that are asked about lie in the cone of their own triangles' normals:
+// whether they are an average of these with positive weights, whatever these are. Blender weighs a quad's
+// normal by its angle, which no weights of its two triangles do. At sharp ridges an average may be far from
+// each of the triangles; a normal that was turned is none.
 std::vector<bool> lie_in_normal_cones(const Mesh& mesh, const VertexJoins& joins,
                                       const std::vector<bool>& vertices) {
   struct Group {
@@ -91,6 +93,8 @@ std::vector<bool> lie_in_normal_cones(const Mesh& mesh, const VertexJoins& joins
   }
   return result;
 }
+
+}  // namespace
 
 std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins,
                                       const std::vector<bool>& vertices) {

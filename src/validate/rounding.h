@@ -18,6 +18,11 @@ inline double largest_coordinate(const std::array<Vec2<double>, 3>& uv) {
   return size;
 }
 
+// Radians by which rounding to the file's numbers may have turned the tangent of a vertex.
+inline double tangent_rounding(const Mesh& mesh, std::uint32_t v) {
+  return std::numbers::sqrt3 * half_step(mesh.half_steps.tangent, 1) / norm(mesh.tangents[v].xyz());
+}
+
 // The sign of the uv area; 0 where rounding of the uvs leaves it open. \param half_step of the uvs
 inline int certain_sign(const std::array<Vec2<double>, 3>& uv, double half_step) {
   const Vec2<double> a = uv[1] - uv[0], b = uv[2] - uv[0];

@@ -107,7 +107,6 @@ TEST(Bake, TheMapTakesTheErrorOfTheMeshAway) {
 // A baked map holds what the triangles leave out. It is no relief, so nothing tells which way its green
 // points.
 TEST(Bake, IsNoReliefToCheckNormalMap) {
-  std::size_t maps = 0, decided = 0;
   for (const char* name : {"sphere", "torus", "enneper", "hyperbolic-paraboloid", "helicoid", "catenoid",
                            "monkey-saddle", "elliptic-paraboloid", "pseudosphere", "superellipsoid",
                            "ellipsoid:semi_axis_x=2,semi_axis_y=1,semi_axis_z=0.7"})
@@ -117,14 +116,9 @@ TEST(Bake, IsNoReliefToCheckNormalMap) {
         BakeOptions options;
         options.width = options.height = size;
         options.type = type;
-        const NormalMapCheck check =
-            check_normal_map(bake(surface, coarse(surface, columns, rows), options).map.image);
-        ++maps;
-        decided += check.green.has_value();
-        EXPECT_FALSE(check.green == MapGreen::directx) << name << ", " << columns << " x " << rows;
+        EXPECT_FALSE(check_normal_map(bake(surface, coarse(surface, columns, rows), options).map.image).green)
+            << name << ", " << columns << " x " << rows;
       }
-  std::printf("%zu of %zu maps are decided\n", decided, maps);
-  EXPECT_LE(50 * decided, maps);
 }
 
 // On a plane the map says nothing that the mesh does not: half a code of 127.5 in x and in y is left.
