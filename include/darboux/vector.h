@@ -11,8 +11,7 @@
 
 // The library's own structs hold Eigen's: they must be laid out, and freed, as it was compiled.
 #if EIGEN_MAX_ALIGN_BYTES != 16 || EIGEN_MAX_STATIC_ALIGN_BYTES != 16 || !EIGEN_MALLOC_ALREADY_ALIGNED
-#error \
-    "expected -DEIGEN_MAX_ALIGN_BYTES=16 -DEIGEN_MALLOC_ALREADY_ALIGNED=1, as CMake and pkg-config set, and vectorised Eigen"
+#error "expected -DEIGEN_MAX_ALIGN_BYTES=16 -DEIGEN_MALLOC_ALREADY_ALIGNED=1, no EIGEN_DONT_VECTORIZE"
 #endif
 
 #include <darboux/scalar.h>
