@@ -546,7 +546,7 @@ TEST(Scene, RefusesWhatMakesNoSense) {
   EXPECT_EQ(refusal([](S&, C& c, R&) { c.width_px = 0; }),
             "image size: expected at least 1 x 1 pixel, got 0 x 720");
   EXPECT_EQ(refusal([](S&, C& c, R&) { c.pose.linear() *= 2; }),
-            "camera pose: expected a rotation, got a matrix that scales, shears or mirrors");
+            "camera pose: expected a rotation and a translation, got another matrix");
   EXPECT_EQ(refusal([](S&, C&, R& r) { r.chord_px = 0; }), "chord_px: expected a bound > 0, got 0.000000");
   EXPECT_EQ(refusal([](S&, C&, R& r) { r.frame_angle_rad = -1; }),
             "frame_angle_rad: expected a bound > 0, got -1.000000");
