@@ -43,10 +43,10 @@ struct NormalMapCheck {
 /// central differences between means of s x s texels, s = 1, 2, 4, .... A cell votes if each of the two
 /// exceeds what rounding to 8 bits can cause: |δ(x/z)| <= (1 + |x/z|) / (255 z - 1), whatever the depth of
 /// the map. A map of f(u) + g(w) has no such cell, so its green is not guessed. The map is a relief at a
-/// scale if its residual there, Σ (h_uw ∓ h_wu)² over Σ (h_uw² + h_wu²), the smaller, is small: it is 0 for a
-/// gradient, 1 for unrelated slopes. `green` is decided if at some scale at least 16 cells vote, 4/5 of them
-/// agree, and the residual is at most 0.2. A baked map of what the triangles leave out is no relief and stays
-/// undecided. A flipped red looks the same as a flipped green.
+/// scale if its residual there, Σ (h_uw ∓ h_wu)² over Σ (h_uw² + h_wu²), the smaller, is small: it is
+/// 0 for a gradient, 1 for unrelated slopes. `green` is decided if at some scale at least 16 cells vote, 4/5
+/// of them agree, and the residual is at most 0.2. A baked map of what the triangles leave out is no relief
+/// and stays undecided. A flipped red looks the same as a flipped green.
 ///
 /// `swapped` compares the residuals of both orders of red and green. It is decided where one is below 0.1 and
 /// the other above 0.3.

@@ -27,8 +27,8 @@ enum class FragmentForm : std::uint8_t {
   solve,         ///< solve_triangle's T and B, normalised, beside the interpolated normal
   projected,     ///< T made square to the interpolated normal, b = sign n × t
   interpolated,  ///< the corners' t interpolated and made square to the interpolated normal, b = sign n × t
-  /// The corners' t and n interpolated and left as they are, b = sign n × t: what MikkTSpace asks of shaders.
-  /// Not unit, not orthogonal; a normal map's vector is normalised after.
+  /// The corners' t and n interpolated and left as they are, b = sign n × t: what MikkTSpace asks of
+  /// shaders. Not unit, not orthogonal; a normal map's vector is normalised after.
   interpolated_raw,
 };
 
@@ -39,9 +39,9 @@ struct TriangleFrames {
   std::array<CornerFrame, 3> frames;  ///< `gradient`, `solve` and `projected` read n only
 };
 
-/// The frame at the point Σ weights[k] p[k]. The interpolated normal is Σ weights[k] n[k], normalised but for
-/// interpolated_raw; the sign is that of the uvs' winding, but the first corner's for the interpolated forms.
-/// On a smooth surface with exact frames at the corners, t errs by order 1 for the first three forms
+/// The frame at the point Σ weights[k] p[k]. The interpolated normal is Σ weights[k] n[k], normalised but
+/// for interpolated_raw; the sign is that of the uvs' winding, but the first corner's for the interpolated
+/// forms. On a smooth surface with exact frames at the corners, t errs by order 1 for the first three forms
 /// (`gradient`: on orthogonal charts only), by order 2 for the interpolated ones; n by order 2. \param
 /// weights barycentric coordinates, of sum 1 \returns a frame with `fallback` where the triangle or the
 /// interpolated directions give none: where a sum of the corners' unit vectors, or the part of t across n, is

@@ -15,10 +15,10 @@
 
 namespace darboux {
 
-/// Placed in space by an affine map, P = A base + translation, det A ≠ 0. Tangents go by A, n by the inverse
-/// transpose, the handedness by the sign of det A. The frame errs by some 12 roundings times the condition
-/// number of A more than the base's. Differentiate the base numerically, never the placed points: far from
-/// the origin those have lost the digits that differences need.
+/// Placed in space by an affine map, P = A base + translation, det A ≠ 0. Tangents go by A, n by the
+/// inverse transpose, the handedness by the sign of det A. The frame errs by some 12 roundings times the
+/// condition number of A more than the base's. Differentiate the base numerically, never the placed points:
+/// far from the origin those have lost the digits that differences need.
 template <class X, class T = double>
 struct Placed {
   X base;

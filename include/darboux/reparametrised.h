@@ -14,8 +14,8 @@
 
 namespace darboux {
 
-/// Other coordinates: (u, v) of the base = M (u, v) + offset, an affine map with det M ≠ 0: what meshes do to
-/// uvs. Both coordinates become linear; where the base is periodic the map may leave the unit square.
+/// Other coordinates: (u, v) of the base = M (u, v) + offset, an affine map with det M ≠ 0: what meshes do
+/// to uvs. Both coordinates become linear; where the base is periodic the map may leave the unit square.
 template <class X, class T = double>
 struct Reparametrised {
   X base;

@@ -40,8 +40,8 @@ struct SampleMeshOptions {
   /// a mirrored mesh in v alone.
   double jitter = 0;
   bool random_diagonals = false;
-  /// In [0, 1): a grid's coordinates x run as x + grading sin(2πx)/2π, so that cells are 1 + grading times as
-  /// wide at the ends of u and v as on average, and 1 - grading times in the middle.
+  /// In [0, 1): a grid's coordinates x run as x + grading sin(2πx)/2π, so that cells are 1 + grading times
+  /// as wide at the ends of u and v as on average, and 1 - grading times in the middle.
   double grading = 0;
   std::uint64_t seed = 1;          ///< of jitter and diagonals
   double shear = 0;                ///< K: stores (u + K v, v), |K| <= 1000

@@ -18,8 +18,8 @@ enum class NormalWeight : std::uint8_t {
   max,    ///< by sin(angle)/(|e1| |e2|) [Max1999]: exact where the vertices lie on a sphere
 };
 
-/// Unit normals of the vertices: unit(Σ weight unit((p1 - p0) × (p2 - p0))) over the triangles that name the
-/// vertex. Vertices at one place with different indices keep normals of their own. NaN for a vertex of no
+/// Unit normals of the vertices: unit(Σ weight unit((p1 - p0) × (p2 - p0))) over the triangles that name
+/// the vertex. Vertices at one place with different indices keep normals of their own. NaN for a vertex of no
 /// triangle with area, and where the weighted normals cancel, to below 16u of the sum of the weights (u =
 /// 2^-53): two triangles back to back have no normal. Weights neither under- nor overflow: positions are
 /// scaled by one power of two. Cost: linear, one pass over the triangles. \throws MeshError as mesh_frames

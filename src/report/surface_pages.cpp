@@ -222,8 +222,10 @@ std::vector<std::pair<std::string, std::vector<std::string>>> citations(const st
     if (!named) continue;
     auto known = std::find_if(result.begin(), result.end(), [&](const auto& c) { return c.first == key; });
     if (known == result.end()) known = result.insert(result.end(), {key, {}});
-    std::string place(without_indent(inside.substr(std::min(key.size() + 1, inside.size()))));
-    std::replace(place.begin(), place.end(), '\n', ' ');
+    // With single spaces, as it may stand in two lines.
+    std::istringstream words{std::string(inside.substr(std::min(key.size() + 1, inside.size())))};
+    std::string place;
+    for (std::string word; words >> word;) place += (place.empty() ? "" : " ") + word;
     if (!place.empty() && std::find(known->second.begin(), known->second.end(), place) == known->second.end())
       known->second.push_back(place);
   }

@@ -53,7 +53,8 @@ struct Cone {
     return v == lift<S>(1.0) ? Status::dpdu_zero : Status::regular;
   }
 
-  /// The signed distance from the generator's line in the plane through the axis and p: n · (p - base point).
+  /// The signed distance from the generator's line in the plane through the axis and p: n · (p - base
+  /// point).
   template <class S>
   S implicit(const Vec3<S>& p) const {
     const Vec2<S> n = normal_in_section<S>();

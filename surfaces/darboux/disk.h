@@ -11,11 +11,11 @@ namespace darboux {
 /// Disk about the origin in the plane z = 0, or an annulus where the inner radius is positive.
 ///   P(u, v) = (ρ cos 2πu, ρ sin 2πu, 0),   ρ = outer (1 - v) + inner v
 /// u runs round the z axis in turns (counter-clockwise from +x), v from the outer rim (0) inward to the inner
-/// rim or the centre (1). n = (0, 0, 1), t = (-sin 2πu, cos 2πu, 0), b = (-cos 2πu, -sin 2πu, 0). The chart
-/// is singular at the centre, v = 1 where inner = 0: there dpdu vanishes and the frame is the limit along the
-/// radius of the given u. Frame components err by at most 2u, u the unit roundoff, for every pair of radii;
-/// partials by at most 8u of their scale, dpdv and d2pduv times (outer + inner)/(outer - inner) in a number
-/// type coarser than that of the radii. [doCarmo2016, sec. 2-2]
+/// rim or the centre (1). n = (0, 0, 1), t = (-sin 2πu, cos 2πu, 0), b = (-cos 2πu, -sin 2πu, 0). The
+/// chart is singular at the centre, v = 1 where inner = 0: there dpdu vanishes and the frame is the limit
+/// along the radius of the given u. Frame components err by at most 2u, u the unit roundoff, for every pair
+/// of radii; partials by at most 8u of their scale, dpdv and d2pduv times (outer + inner)/(outer - inner) in
+/// a number type coarser than that of the radii. [doCarmo2016, sec. 2-2]
 template <class T = double>
 struct Disk {
   T outer_radius{1}, inner_radius{0};

@@ -56,7 +56,8 @@ struct EllipticParaboloid {
     return v == lift<S>(0.0) ? Status::dpdu_zero : Status::regular;
   }
 
-  /// f / |grad f| with f = h ((x/a)² + (y/b)²) - z: to first order the distance, positive below and outside.
+  /// f / |grad f| with f = h ((x/a)² + (y/b)²) - z: to first order the distance, positive below and
+  /// outside.
   template <class S>
   S implicit(const Vec3<S>& p) const {
     const S a = lift<S>(semi_axis_x), b = lift<S>(semi_axis_y), h = lift<S>(height), two = lift<S>(2.0);

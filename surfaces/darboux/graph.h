@@ -135,8 +135,8 @@ struct Graph {
     const S w = lift<S>(1.0) + (g.fx * g.fx + g.fy * g.fy), m = g.fxy / w;
     return (g.fxx / w) * (g.fyy / w) - m * m;
   }
-  /// H = ((1 + f_y²) f_xx - 2 f_x f_y f_xy + (1 + f_x²) f_yy)/(2 (1 + f_x² + f_y²)^(3/2)) [doCarmo2016, sec.
-  /// 3-3]
+  /// H = ((1 + f_y²) f_xx - 2 f_x f_y f_xy + (1 + f_x²) f_yy)/(2 (1 + f_x² + f_y²)^(3/2))
+  /// [doCarmo2016, sec. 3-3]
   template <class S>
   S mean_curvature(const S& u, const S& v) const {
     using std::sqrt;

@@ -65,9 +65,9 @@ struct Helicoid {
     return twice ? Status::self_intersecting : Status::regular;
   }
 
-  /// (y cos θ - x sin θ) p / sqrt(x² + y² + p²) with θ = z/p; for p = 0 the depth, and beyond the outer end,
-  /// which rulings reach from the other side only, the height. That the surface goes on beyond its edges does
-  /// not matter here.
+  /// (y cos θ - x sin θ) p / sqrt(x² + y² + p²) with θ = z/p; for p = 0 the depth, and beyond the outer
+  /// end, which rulings reach from the other side only, the height. That the surface goes on beyond its edges
+  /// does not matter here.
   template <class S>
   S implicit(const Vec3<S>& q) const {
     const S p = lift<S>(pitch);

@@ -12,11 +12,11 @@ namespace darboux {
 /// u runs round the axis, v along the figure 8, both in turns. P(u + 1, v) = P(u, 1 - v), and n changes its
 /// sign there: the surface has one side, the frame two values per point, and u is reduced modulo 2. v = 0 and
 /// v = 1/2 are one circle, the double points of the figures: self_intersecting. For R <= 1.25 r the figures
-/// reach the axis; where ρ <= 0 the status is self_intersecting too. Regular but for points of the axis where
-/// the figure is at an extreme distance from its centre, ρ = 0 and (1 + 4 cos 2y) sin 2y = 0: there dpdu and
-/// dpdv are parallel, and the limit of n depends on the direction; no_frame. For R = r these points only
-/// touch the axis, and the frame is the limit along the given v. With the unit tangent τ of the figure, its
-/// normal ν in the half-plane of the axis, e_t = (-sin x, cos x, 0):
+/// reach the axis; where ρ <= 0 the status is self_intersecting too. Regular but for points of the axis
+/// where the figure is at an extreme distance from its centre, ρ = 0 and (1 + 4 cos 2y) sin 2y = 0: there
+/// dpdu and dpdv are parallel, and the limit of n depends on the direction; no_frame. For R = r these points
+/// only touch the axis, and the frame is the limit along the given v. With the unit tangent τ of the figure,
+/// its normal ν in the half-plane of the axis, e_t = (-sin x, cos x, 0):
 ///   n = (2ρ ν + f e_t) / sqrt(4ρ² + f²),   f = r sin 2y (1 + 4 cos 2y) / (2 g),
 ///     g = sqrt(cos² y + 4 cos² 2y)
 /// Frame components err by at most 4u times (1 + condition), u the unit roundoff, the condition being that of

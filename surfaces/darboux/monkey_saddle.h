@@ -44,8 +44,8 @@ struct MonkeySaddle {
             .n = {-(a.x * c.y), -c.x, a.y * c.y}};
   }
 
-  /// (z - h x (x² - 3y²)) / sqrt(1 + 9 h² (x² + y²)²), the height above the surface over the length of its
-  /// gradient.
+  /// (z - h x (x² - 3y²)) / sqrt(1 + 9 h² (x² + y²)²), the height above the surface over the length of
+  /// its gradient.
   template <class S>
   S implicit(const Vec3<S>& p) const {
     const S h = lift<S>(height);

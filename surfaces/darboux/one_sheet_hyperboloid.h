@@ -65,8 +65,8 @@ struct OneSheetHyperboloid {
     return a * (norm(Vec2<S>{p.x, p.y}) / a - w) / norm(Vec2<S>{one, (a / c) * (zeta / w)});
   }
 
-  /// K = -(d² / (a² c))² with d = 1/sqrt((x² + y²)/a⁴ + z²/c⁴), the distance of the tangent plane from the
-  /// centre.
+  /// K = -(d² / (a² c))² with d = 1/sqrt((x² + y²)/a⁴ + z²/c⁴), the distance of the tangent plane
+  /// from the centre.
   template <class S>
   S gaussian_curvature(const Turn<S>&, const S& v) const {
     const S N = axis_over_distance(v), root = lift<S>(1.0) / N / lift<S>(semi_axis_z) / N;

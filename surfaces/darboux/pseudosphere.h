@@ -109,8 +109,8 @@ struct Pseudosphere {
     return side(w) * (w.sin / w.cos - w.cos / w.sin) / two / h;
   }
 
-  /// By the tractrix in the form of hyperbolic functions: with τ = ln tan(w/2), distance a / cosh τ from the
-  /// axis, height a (τ - tanh τ); turned twice by half the azimuth.
+  /// By the tractrix in the form of hyperbolic functions: with τ = ln tan(w/2), distance a / cosh τ from
+  /// the axis, height a (τ - tanh τ); turned twice by half the azimuth.
   template <class S>
   constexpr Vec3<S> second_formula(const S& u, const S& v) const {
     const S one = lift<S>(1.0), two = lift<S>(2.0), a = lift<S>(radius), turned = lift<S>(turns) * u;

@@ -9,9 +9,9 @@ namespace darboux {
 ///   P(u, v) = r (sin πv cos 2πu, sin πv sin 2πu, -cos πv)
 /// u runs round the z axis in turns (counter-clockwise from +x), v from the south pole (0) to the north (1).
 /// n points outward. The chart is singular at the poles, where dpdu vanishes; there the frame is the limit
-/// along the meridian of the given u: t = (-sin 2πu, cos 2πu, 0), n = (0, 0, ±1). In the angles of spherical
-/// coordinates, u = φ/2π and v = (π - θ)/π. Frame components err by at most 4u, u the unit roundoff, for
-/// every radius. [doCarmo2016, sec. 2-2]
+/// along the meridian of the given u: t = (-sin 2πu, cos 2πu, 0), n = (0, 0, ±1). In the angles of
+/// spherical coordinates, u = φ/2π and v = (π - θ)/π. Frame components err by at most 4u, u the unit
+/// roundoff, for every radius. [doCarmo2016, sec. 2-2]
 template <class T = double>
 struct Sphere {
   T radius{1};

@@ -75,7 +75,8 @@ struct TwoSheetHyperboloid {
     return (c * w - p.z) / norm(Vec3<S>{c / a * (q.x / w), c / b * (q.y / w), one});
   }
 
-  /// K = (d² / (a b c))² with d = 1/|(x/a², y/b², z/c²)|, the distance of the tangent plane from the centre.
+  /// K = (d² / (a b c))² with d = 1/|(x/a², y/b², z/c²)|, the distance of the tangent plane from the
+  /// centre.
   template <class S>
   S gaussian_curvature(const Turn<S>& u, const S& v) const {
     const S N = on_unit_hyperboloid(u, v).axis_over_distance;
@@ -83,8 +84,8 @@ struct TwoSheetHyperboloid {
     return root * root;
   }
 
-  /// H = -d³ (((x/a)² + (y/b)²)/(a b)² + (1 + (y/b)²)/(a c)² + (1 + (x/a)²)/(b c)²) / 2, d as in K: half the
-  /// divergence of the unit normal field of the level sets.
+  /// H = -d³ (((x/a)² + (y/b)²)/(a b)² + (1 + (y/b)²)/(a c)² + (1 + (x/a)²)/(b c)²) / 2, d as in K:
+  /// half the divergence of the unit normal field of the level sets.
   template <class S>
   S mean_curvature(const Turn<S>& u, const S& v) const {
     const S a = lift<S>(semi_axis_x), b = lift<S>(semi_axis_y), c = lift<S>(semi_axis_z), one = lift<S>(1.0);
