@@ -14,7 +14,7 @@
 #include "every_surface.h"
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::any_surface_test {
 namespace {
 
 std::string message_of(const std::string& text) {
@@ -268,4 +268,4 @@ TEST(MakeSurface, DoesNotDependOnTheGlobalLocale) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::any_surface_test

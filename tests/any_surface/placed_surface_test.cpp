@@ -7,7 +7,7 @@
 #include <darboux/any_surface.h>
 #include <darboux/placed_surface.h>
 
-namespace darboux {
+namespace darboux::placed_surface_test {
 namespace {
 
 // A disk with its centre at v = 0, and no frame of its own: beyond the centre dpdu points the other way, and
@@ -46,4 +46,4 @@ TEST(PlacedSurface, UvsThatMissAPoleByRoundingsMeanIt) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::placed_surface_test

@@ -11,7 +11,7 @@
 #include "every_surface.h"
 #include "random_pose.h"
 
-namespace darboux::test {
+namespace darboux::test::project_test {
 namespace {
 
 // Sizes here are about 1 to 4, and points lie within half the least radius of curvature: 1 / (1 - d κ) <= 2.
@@ -215,4 +215,4 @@ TEST(Project, FocalPointsKeepTheirDistance) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::project_test

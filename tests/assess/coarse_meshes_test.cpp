@@ -17,7 +17,7 @@
 
 #include "append_mesh.h"
 
-namespace darboux {
+namespace darboux::coarse_meshes_test {
 namespace {
 
 using V = Vec3<double>;
@@ -551,4 +551,4 @@ TEST(Signs, OfTipsThatUvsGoRoundAreOpen) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::coarse_meshes_test

@@ -11,7 +11,7 @@
 
 #include "random_shapes.h"
 
-namespace darboux {
+namespace darboux::declared_surfaces_test {
 namespace {
 
 struct Variant {
@@ -257,4 +257,4 @@ TEST(DeclaredSurfaces, AnExactSurfaceIsNoOther) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::declared_surfaces_test

@@ -14,7 +14,7 @@
 #include "append_mesh.h"
 #include "random_pose.h"
 
-namespace darboux {
+namespace darboux::kept_errors_test {
 namespace {
 
 AssessOptions keeping(const References& references = {}) {
@@ -203,4 +203,4 @@ TEST(KeptErrors, OnlyWhereAskedFor) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::kept_errors_test

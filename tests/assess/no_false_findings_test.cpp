@@ -16,7 +16,7 @@
 
 #include "random_pose.h"
 
-namespace darboux {
+namespace darboux::no_false_findings_test {
 namespace {
 
 // ---- ways to store one mesh
@@ -219,4 +219,4 @@ TEST(NoFalseFindings, LastThird) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::no_false_findings_test

@@ -18,7 +18,7 @@
 
 #include "append_mesh.h"
 
-namespace darboux {
+namespace darboux::planted_defects_test {
 namespace {
 
 using Codes = std::set<std::string>;
@@ -579,4 +579,4 @@ INSTANTIATE_TEST_SUITE_P(Surfaces, PlantedOn, testing::Values(true, false),
                          [](const auto& p) { return p.param ? "Known" : "Unknown"; });
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::planted_defects_test

@@ -17,7 +17,7 @@
 
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::polygons_test {
 namespace {
 
 std::string errors(const Mesh& mesh) {
@@ -129,4 +129,4 @@ TEST(Polygons, NoSideWithoutUvAreaIsNoError) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::polygons_test

@@ -13,7 +13,7 @@
 #include <darboux/io.h>
 #include <darboux/mesh_frames.h>
 
-namespace darboux {
+namespace darboux::real_models_test {
 namespace {
 
 const std::string folder = std::string(DARBOUX_SHARED) + "/meshes/real/";
@@ -94,4 +94,4 @@ TEST_F(RealModels, TheMosquitosSignsAreMixed) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::real_models_test

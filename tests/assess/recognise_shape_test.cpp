@@ -8,7 +8,7 @@
 #include "assess/shape.h"
 #include "random_shapes.h"
 
-namespace darboux {
+namespace darboux::recognise_shape_test {
 namespace {
 
 constexpr std::uint64_t seed = 24;
@@ -52,4 +52,4 @@ TEST(RecogniseShape, OtherClosedSurfacesAreNoCyclides) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::recognise_shape_test

@@ -7,7 +7,7 @@
 
 #include "random_shapes.h"
 
-namespace darboux {
+namespace darboux::recognition_test {
 namespace {
 
 constexpr std::uint64_t seed = 2026;
@@ -53,4 +53,4 @@ TEST(Recognition, FindsSurfacesOfFineGrids) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::recognition_test

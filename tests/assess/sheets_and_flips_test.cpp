@@ -10,7 +10,7 @@
 #include <darboux/assess.h>
 #include <darboux/sample_mesh.h>
 
-namespace darboux {
+namespace darboux::sheets_and_flips_test {
 namespace {
 
 // Open and closed, each recognised.
@@ -220,4 +220,4 @@ TEST(Charts, ThatMeetAtOneUvAreASeam) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::sheets_and_flips_test

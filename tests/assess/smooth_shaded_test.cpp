@@ -17,7 +17,7 @@
 #include "append_mesh.h"
 #include "random_shapes.h"
 
-namespace darboux {
+namespace darboux::smooth_shaded_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -517,4 +517,4 @@ TEST(Brief, ASphereAmongManyUnknownPartsIsFound) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::smooth_shaded_test

@@ -15,7 +15,7 @@
 #include "fbx_files.h"
 #include "refusal_of.h"
 
-namespace darboux {
+namespace darboux::uv_sets_test {
 namespace {
 
 using Uvs = std::vector<Vec2<double>>;
@@ -200,4 +200,4 @@ TEST(UvSets, AnotherNumberOfUvsIsRefused) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::uv_sets_test

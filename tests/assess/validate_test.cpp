@@ -16,7 +16,7 @@
 
 #include "random_pose.h"
 
-namespace darboux {
+namespace darboux::validate_test {
 namespace {
 
 std::vector<AnySurface> fitted_surfaces() {
@@ -408,4 +408,4 @@ TEST_F(OtherTools, EqualAnIndependentComputation) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::validate_test

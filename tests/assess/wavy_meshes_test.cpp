@@ -14,7 +14,7 @@
 
 #include "random_shapes.h"
 
-namespace darboux {
+namespace darboux::wavy_meshes_test {
 namespace {
 
 // A sheared, twisted sheet with two waves along each axis, at random.
@@ -131,4 +131,4 @@ TEST(WavyMeshes, ExactTangentsAreSeldomErrors) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::wavy_meshes_test

@@ -10,7 +10,7 @@
 #include "io_files.h"
 #include "refusal_of.h"
 
-namespace darboux {
+namespace darboux::drop_idle_tangents_test {
 namespace {
 
 using test::Builder;
@@ -217,4 +217,4 @@ TEST(DropIdleTangents, RefusesADocumentThatContradictsItself) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::drop_idle_tangents_test

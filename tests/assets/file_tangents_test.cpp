@@ -14,7 +14,7 @@
 #include "refusal_of.h"
 #include "rewritten.h"
 
-namespace darboux {
+namespace darboux::file_tangents_test {
 namespace {
 
 using test::Builder;
@@ -524,4 +524,4 @@ TEST(SetTangents, DeltasThatDoNotFitAreRefused) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::file_tangents_test

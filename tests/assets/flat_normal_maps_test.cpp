@@ -11,7 +11,7 @@
 #include "io_files.h"
 #include "png_bytes.h"
 
-namespace darboux {
+namespace darboux::flat_normal_maps_test {
 namespace {
 
 using test::Json;
@@ -208,4 +208,4 @@ TEST(FlatNormalMaps, LeaveAnisotropyItsFrame) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::flat_normal_maps_test

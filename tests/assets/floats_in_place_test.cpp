@@ -17,7 +17,7 @@
 #include "io/float_mesh.h"
 #include "rewritten.h"
 
-namespace darboux {
+namespace darboux::floats_in_place_test {
 namespace {
 
 using test::Builder;
@@ -191,4 +191,4 @@ TEST(FloatsInPlace, FloatsThatAreNotAlignedAreCopied) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::floats_in_place_test

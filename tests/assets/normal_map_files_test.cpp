@@ -15,7 +15,7 @@
 #include "refusal_of.h"
 #include "second_normal_map.h"
 
-namespace darboux::test {
+namespace darboux::test::normal_map_files_test {
 namespace {
 
 struct ThereAndBack {
@@ -238,4 +238,4 @@ TEST(NormalMapFiles, TakesThePrimitivesThatAreNamed) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::normal_map_files_test

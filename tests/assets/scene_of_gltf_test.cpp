@@ -3,7 +3,7 @@
 #include "io_files.h"
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::scene_of_gltf_test {
 namespace {
 
 // A square of normal +z about the origin, and a camera at z = 5 that sees 2 x 2 there.
@@ -311,4 +311,4 @@ TEST_F(GltfScenes, TheCameraThatMovesIsNamed) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::scene_of_gltf_test

@@ -9,7 +9,7 @@
 #include "io_files.h"
 #include "refusal_of.h"
 
-namespace darboux {
+namespace darboux::tangent_need_test {
 namespace {
 
 using test::Json;
@@ -456,4 +456,4 @@ TEST(TangentNeed, CountsTheVerticesThatMikkTSpaceSplits) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::tangent_need_test

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace darboux {
+namespace darboux::parallel_jobs_test {
 namespace {
 
 TEST(ParallelJobs, EachIsDoneOnce) {
@@ -46,4 +46,4 @@ TEST(ParallelJobs, ExceptionsOfWorkAndProgressAreThrownOn) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::parallel_jobs_test

@@ -12,7 +12,7 @@
 
 #include "base/quantile.h"
 
-namespace darboux {
+namespace darboux::rounds_test {
 namespace {
 
 TEST(Quantile, LiesBetweenTheRanks) {
@@ -62,4 +62,4 @@ TEST(Rounds, TimeOutInALaterRound) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::rounds_test

@@ -7,7 +7,7 @@
 
 #include <darboux/statistics.h>
 
-namespace darboux {
+namespace darboux::statistics_test {
 namespace {
 
 TEST(Summarise, GivesMaxRmsAndNearestRank) {
@@ -71,4 +71,4 @@ TEST(Statistics, CountedValuesAreManyEqualOnes) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::statistics_test

@@ -9,7 +9,7 @@
 
 #include <darboux/error.h>
 
-namespace darboux {
+namespace darboux::text_test {
 namespace {
 
 // An independent judge of UTF-8.
@@ -71,4 +71,4 @@ TEST(Text, ErrorsAreShortAndNameTheirSubject) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::text_test

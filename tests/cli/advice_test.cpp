@@ -5,7 +5,7 @@
 
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::advice_test {
 namespace {
 
 // The errors of a report that new tangents mend, and the others.
@@ -88,4 +88,4 @@ TEST_F(Cli, TangentsOfTransformedUvsPass) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::advice_test

@@ -5,7 +5,7 @@
 #include "fbx_files.h"
 #include "sanitized.h"
 
-namespace darboux::test {
+namespace darboux::test::budget_test {
 namespace {
 
 class CliBudget : public Cli {
@@ -305,4 +305,4 @@ TEST_F(CliBudget, IsTheUsersToSet) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::budget_test

@@ -1,7 +1,7 @@
 // `compare` against its contract.
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::compare_test {
 namespace {
 
 const std::vector<std::string> pair_keys{"mesh",
@@ -213,4 +213,4 @@ TEST_F(Cli, CompareRefusesWrongUsage) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::compare_test

@@ -9,7 +9,7 @@
 
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::eval_test {
 namespace {
 
 using Points = std::vector<std::array<double, 2>>;
@@ -576,4 +576,4 @@ TEST_F(StreamedMemory, DoesNotGrowWithTheRows) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::eval_test

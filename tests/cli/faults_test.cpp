@@ -15,7 +15,7 @@
 #include "cli.h"
 #include "sanitized.h"
 
-namespace darboux::test {
+namespace darboux::test::faults_test {
 namespace {
 
 struct Command {
@@ -357,4 +357,4 @@ TEST_F(Faults, Processes) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::faults_test

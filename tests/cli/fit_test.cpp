@@ -10,7 +10,7 @@
 #include "cli.h"
 #include "torus_points.h"
 
-namespace darboux::test {
+namespace darboux::test::fit_test {
 namespace {
 
 const std::string torus = "data/torus_points.xyz";
@@ -410,4 +410,4 @@ TEST_F(Cli, FitRefusesWrongUsage) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::fit_test

@@ -15,7 +15,7 @@
 #include "cli.h"
 #include "sanitized.h"
 
-namespace darboux::test {
+namespace darboux::test::kills_test {
 namespace {
 
 // A command, and what it writes.
@@ -311,4 +311,4 @@ TEST_F(Kills, AFileThatGetsTooLargeIsAnError) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::kills_test

@@ -7,7 +7,7 @@
 #include "fbx_files.h"
 #include "random_shapes.h"
 
-namespace darboux::test {
+namespace darboux::test::mesh_files_test {
 namespace {
 
 Mesh torus() {
@@ -191,4 +191,4 @@ TEST_F(MeshFiles, RemediesAndOpenCornersAreTold) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::mesh_files_test

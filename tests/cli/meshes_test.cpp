@@ -4,7 +4,7 @@
 #include "append_mesh.h"
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::meshes_test {
 namespace {
 
 // ---- round trips ------------------------------------------------------------------------------------------
@@ -143,4 +143,4 @@ TEST_F(Cli, ConvergeHasTheContractsKeys) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::meshes_test

@@ -7,7 +7,7 @@
 #include "base/text.h"
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::messages_test {
 namespace {
 
 // A command that reads FILE, of a name that ends so.
@@ -190,4 +190,4 @@ TEST_F(Messages, OfTheCommandLineAreOneLineToo) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::messages_test

@@ -8,7 +8,7 @@
 #include "cli.h"
 #include "map_meshes.h"
 
-namespace darboux::test {
+namespace darboux::test::normalmap_test {
 namespace {
 
 class NormalMapCli : public Cli {
@@ -467,4 +467,4 @@ TEST_F(NormalMapCli, ComparesTwoMaps) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::normalmap_test

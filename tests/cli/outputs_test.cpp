@@ -3,7 +3,7 @@
 
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::outputs_test {
 namespace {
 
 // ---- closed standard streams
@@ -117,4 +117,4 @@ TEST_F(Cli, AFileThatIsReadOnlyIsKept) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::outputs_test

@@ -1,7 +1,7 @@
 // Files that a document names outside of its folder are opened only where that is allowed.
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::outside_test {
 namespace {
 
 class Outside : public Cli {
@@ -97,4 +97,4 @@ TEST_F(Outside, TheFenceChangesNoVerdict) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::outside_test

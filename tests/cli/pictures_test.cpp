@@ -13,7 +13,7 @@
 
 #include "generated_gltf.h"
 
-namespace darboux::test {
+namespace darboux::test::pictures_test {
 namespace {
 
 bool ignore_image(tinygltf::Image*, const int, std::string*, std::string*, int, int, const unsigned char*,
@@ -322,4 +322,4 @@ TEST_F(Cli, ReportRefusals) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::pictures_test

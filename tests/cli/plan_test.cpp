@@ -2,7 +2,7 @@
 #include "cli.h"
 #include "generated_gltf.h"
 
-namespace darboux::test {
+namespace darboux::test::plan_test {
 namespace {
 
 // Mesh 0 primitive 0 reads a frame through TEXCOORD_0, the others read none; no TANGENT.
@@ -184,4 +184,4 @@ TEST_F(Cli, PlanRefuses) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::plan_test

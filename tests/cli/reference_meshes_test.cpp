@@ -1,7 +1,7 @@
 // The kinds of meshes that `darboux mesh` writes beside plain grids, and what validate says of them.
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::reference_meshes_test {
 namespace {
 
 class ReferenceMeshes : public Cli {
@@ -162,4 +162,4 @@ TEST_F(Cli, SaysHowManyCellsAMeshDropped) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::reference_meshes_test

@@ -3,7 +3,7 @@
 
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::scene_test {
 namespace {
 
 constexpr const char* examples = DARBOUX_SOURCE "/docs/examples/";
@@ -305,4 +305,4 @@ TEST_F(SceneCli, RefusesBadArguments) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::scene_test

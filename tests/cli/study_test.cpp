@@ -10,7 +10,7 @@
 
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::study_test {
 namespace {
 
 class StudyCli : public Cli {
@@ -300,4 +300,4 @@ TEST_F(StudyCli, NamesThePathOfWhatIsWrongInAStudy) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::study_test

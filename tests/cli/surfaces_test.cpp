@@ -3,7 +3,7 @@
 
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::surfaces_test {
 namespace {
 
 // ---- surfaces, check --------------------------------------------------------------------------------------
@@ -220,4 +220,4 @@ TEST_F(Cli, RefusesBadSurfaceFilesInOneLine) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::surfaces_test

@@ -2,7 +2,7 @@
 #include "cli.h"
 #include "generated_gltf.h"
 
-namespace darboux::test {
+namespace darboux::test::tangents_test {
 namespace {
 
 TEST_F(Cli, TangentsOfMikkTSpaceInGltfsSignAreTheDefault) {
@@ -149,4 +149,4 @@ TEST_F(Cli, TangentsExplainsEveryMethod) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::tangents_test

@@ -6,7 +6,7 @@
 
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::usage_test {
 namespace {
 
 // ---- help -------------------------------------------------------------------------------------------------
@@ -445,4 +445,4 @@ TEST_F(Cli, SaysSoWhenStandardOutputIsFull) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::usage_test

@@ -5,7 +5,7 @@
 
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::validate_many_test {
 namespace {
 
 class CliMany : public Cli {
@@ -275,4 +275,4 @@ TEST_F(CliMany, RefusesFilesThatCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::validate_many_test

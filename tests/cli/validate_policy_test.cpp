@@ -6,7 +6,7 @@
 
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::validate_policy_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -432,4 +432,4 @@ TEST_F(Policy, ABudgetLeavesTheTrianglesComplete) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::validate_policy_test

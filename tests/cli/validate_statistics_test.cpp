@@ -3,7 +3,7 @@
 #include "cli.h"
 #include "second_shapes.h"
 
-namespace darboux::test {
+namespace darboux::test::validate_statistics_test {
 namespace {
 
 std::optional<Statistics> printed(const Json& of_class, const char* quantity) {
@@ -47,4 +47,4 @@ TEST_F(Cli, JsonStatisticsAreThoseOfASecondComputation) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::validate_statistics_test

@@ -1,7 +1,7 @@
 // `validate`: its keys, the evidence of meshes that other tools made, its verdicts.
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::validate_test {
 namespace {
 
 // ---- validate: meshes that other tools made ---------------------------------------------------------------
@@ -313,4 +313,4 @@ TEST_F(Cli, AssessesEveryMeshOfTheEvidence) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::validate_test

@@ -2,7 +2,7 @@
 // commands record of themselves. No test looks at how long anything took.
 #include "cli.h"
 
-namespace darboux::test {
+namespace darboux::test::work_precision_test {
 namespace {
 
 class WorkCli : public Cli {
@@ -214,4 +214,4 @@ TEST_F(WorkCli, AFormatWithoutAFileIsRefused) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::work_precision_test

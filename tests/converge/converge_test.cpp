@@ -12,7 +12,7 @@
 #include <darboux/error.h>
 #include <darboux/torus.h>
 
-namespace darboux {
+namespace darboux::converge_test {
 namespace {
 
 constexpr std::uint64_t seed = 20261121;
@@ -475,4 +475,4 @@ TEST(Converge, TakesAUsersSurface) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::converge_test

@@ -9,7 +9,7 @@
 #include <darboux/error.h>
 #include <darboux/order_of_convergence.h>
 
-namespace darboux {
+namespace darboux::order_of_convergence_test {
 namespace {
 
 constexpr std::uint64_t seed = 20261125;
@@ -130,4 +130,4 @@ TEST(OrderOfConvergence, RefusesWhatIsNoSequence) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::order_of_convergence_test

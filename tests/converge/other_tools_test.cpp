@@ -10,7 +10,7 @@
 
 #include <darboux/converge.h>
 
-namespace darboux {
+namespace darboux::other_tools_test {
 namespace {
 
 constexpr double tolerance = 0.15;
@@ -81,4 +81,4 @@ TEST(OtherTools, OrdersAreTheirs) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::other_tools_test

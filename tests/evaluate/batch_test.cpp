@@ -38,7 +38,7 @@ std::size_t allocations = 0;
   std::free(p);
 }
 
-namespace darboux::test {
+namespace darboux::test::batch_test {
 namespace {
 
 template <class T>
@@ -671,4 +671,4 @@ TEST(Blocks, PassOnExceptions) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::batch_test

@@ -18,7 +18,7 @@
 
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::requests_test {
 namespace {
 
 TEST(Refusals, NameTheAttributeAndWhatIsPermitted) {
@@ -172,4 +172,4 @@ TEST(Summaries, AddUp) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::requests_test

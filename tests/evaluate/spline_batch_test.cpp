@@ -21,7 +21,7 @@
 #include <darboux/instruction_set.h>
 #include <darboux/surface_of_revolution.h>
 
-namespace darboux {
+namespace darboux::spline_batch_test {
 namespace {
 
 using Numbers = std::vector<double>;
@@ -306,4 +306,4 @@ TEST(SplineBatches, OrdersAgree) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::spline_batch_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace darboux {
+namespace darboux::spline_lanes_test {
 namespace {
 
 using S = kernels::Lanes<float>;
@@ -34,4 +34,4 @@ TEST(SplineLanes, FindsSpansThatFloatLacks) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::spline_lanes_test

@@ -7,7 +7,7 @@
 
 #include "fit/common/noise_bias.h"
 
-namespace darboux::test {
+namespace darboux::test::bias_test {
 namespace {
 
 // Of a point of a sphere with isotropic noise, the mean of the noncentral chi distribution of three degrees
@@ -41,4 +41,4 @@ TEST(Bias, FadesOutWhereRadiiComeNearTheNoise) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::bias_test

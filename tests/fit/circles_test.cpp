@@ -12,7 +12,7 @@
 #include <darboux/fit_points.h>
 #include <darboux/vector.h>
 
-namespace darboux {
+namespace darboux::circles_test {
 namespace {
 
 constexpr unsigned seed = 71;
@@ -114,4 +114,4 @@ TEST(FitCircles, AShortBandIsACylinder) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::circles_test

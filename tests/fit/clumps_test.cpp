@@ -15,7 +15,7 @@
 #include "fit/primitives/clump.h"
 #include "fit_matrix.h"
 
-namespace darboux {
+namespace darboux::clumps_test {
 namespace {
 
 Eigen::Matrix3Xd matrix_of(const PointCloud& cloud) {
@@ -188,4 +188,4 @@ TEST(Clumps, ArePointsOfTheInput) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::clumps_test

@@ -14,7 +14,7 @@
 #include "fit/common/normalised_points.h"
 #include "synthetic_points.h"
 
-namespace darboux {
+namespace darboux::exact_points_test {
 namespace {
 
 // As a file has it; null: the double itself.
@@ -123,4 +123,4 @@ TEST(ExactPoints, ExactSpheresAmongOutliersAreNoEllipsoids) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::exact_points_test

@@ -14,7 +14,7 @@
 
 #include "random_pose.h"
 
-namespace darboux::test {
+namespace darboux::test::fit_catalogue_test {
 namespace {
 
 constexpr double noise = 1e-3;
@@ -320,4 +320,4 @@ TEST(AnyKindFit, GivesTheSameBitsAgain) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::fit_catalogue_test

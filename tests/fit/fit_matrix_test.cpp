@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-namespace darboux::test {
+namespace darboux::test::fit_matrix_test {
 namespace {
 
 struct Cells {
@@ -220,4 +220,4 @@ TEST(FitStrips, AnEllipsoidDoesNotEndTheSearchForATorus) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::fit_matrix_test

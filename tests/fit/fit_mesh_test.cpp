@@ -12,7 +12,7 @@
 
 #include "random_pose.h"
 
-namespace darboux {
+namespace darboux::fit_mesh_test {
 namespace {
 
 std::vector<AnySurface> fitted_surfaces() {
@@ -378,4 +378,4 @@ TEST(Fit, ALineIsNoSurface) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::fit_mesh_test

@@ -11,7 +11,7 @@
 
 #include "statistics/rows.h"
 
-namespace darboux {
+namespace darboux::fit_points_statistics_test {
 namespace {
 
 #ifdef DARBOUX_SHORT_TESTS
@@ -145,4 +145,4 @@ TEST(FitPointsStatistics, PublicPoints) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::fit_points_statistics_test

@@ -17,7 +17,7 @@
 #include "refusal_of.h"
 #include "synthetic_points.h"
 
-namespace darboux::test {
+namespace darboux::test::fit_points_test {
 namespace {
 
 class FoundKind : public ::testing::TestWithParam<std::string> {};
@@ -676,4 +676,4 @@ TEST(FitPoints, RefusesBadRequests) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::fit_points_test

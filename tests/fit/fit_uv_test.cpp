@@ -17,7 +17,7 @@
 #include "fit/common/rotation_manifold.h"
 #include "random_pose.h"
 
-namespace darboux {
+namespace darboux::fit_uv_test {
 namespace {
 
 using Random = std::mt19937_64;
@@ -497,4 +497,4 @@ TEST(FitWithUv, IsEquivariant) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::fit_uv_test

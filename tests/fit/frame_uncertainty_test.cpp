@@ -13,7 +13,7 @@
 #include "every_surface.h"
 #include "random_pose.h"
 
-namespace darboux::test {
+namespace darboux::test::frame_uncertainty_test {
 namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
@@ -277,4 +277,4 @@ TEST(FrameUncertainty, FeetAreTheNearestPoints) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::frame_uncertainty_test

@@ -12,7 +12,7 @@
 
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::lack_of_fit_test {
 namespace {
 
 // Normal, as sums of twelve uniform numbers: the same on every standard library.
@@ -115,4 +115,4 @@ TEST(LackOfFit, RoundedGridsAreNoOtherSurface) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::lack_of_fit_test

@@ -13,7 +13,7 @@
 
 #include "fit/primitives/list.h"
 
-namespace darboux::fit {
+namespace darboux::fit::osculation_test {
 namespace {
 
 // A random pose of a torus, and a point on it at the angle phi of the tube.
@@ -103,4 +103,4 @@ TEST(Osculation, LeadsFromAStripToATorus) {
 }
 
 }  // namespace
-}  // namespace darboux::fit
+}  // namespace darboux::fit::osculation_test

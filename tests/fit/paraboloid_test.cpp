@@ -13,7 +13,7 @@
 #include <darboux/sample_mesh.h>
 #include <darboux/sphere.h>
 
-namespace darboux::test {
+namespace darboux::test::paraboloid_test {
 namespace {
 
 constexpr std::uint64_t seed = 20;
@@ -147,4 +147,4 @@ TEST(Paraboloid, FeetInClosedForm) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::paraboloid_test

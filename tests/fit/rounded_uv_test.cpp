@@ -14,7 +14,7 @@
 #include "fit/uv/fit_uv.h"
 #include "random_pose.h"
 
-namespace darboux {
+namespace darboux::rounded_uv_test {
 namespace {
 
 struct Storage {
@@ -158,4 +158,4 @@ TEST(RoundedUv, TheStatedErrorIsTheTrueOneWithNoise) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::rounded_uv_test

@@ -6,7 +6,7 @@
 #include <ceres/solver.h>
 #include <gtest/gtest.h>
 
-namespace darboux::test {
+namespace darboux::test::solve_quietly_test {
 namespace {
 
 // With derivatives whose squares overflow: scaled by them, no step is left.
@@ -39,4 +39,4 @@ TEST(SolveQuietly, NothingIsPrintedWhereStepsStayInvalid) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::solve_quietly_test

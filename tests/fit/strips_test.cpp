@@ -11,7 +11,7 @@
 
 #include "fit_matrix.h"
 
-namespace darboux::test {
+namespace darboux::test::strips_test {
 namespace {
 
 struct Strip {
@@ -63,4 +63,4 @@ INSTANTIATE_TEST_SUITE_P(Runs, Strips,
                          });
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::strips_test

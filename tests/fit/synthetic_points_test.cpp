@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace darboux {
+namespace darboux::synthetic_points_test {
 namespace {
 
 constexpr std::array<std::string_view, 6> kinds{"plane", "sphere", "cylinder", "cone", "torus", "ellipsoid"};
@@ -334,4 +334,4 @@ TEST(SyntheticPoints, TheSeedDecides) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::synthetic_points_test

@@ -9,7 +9,7 @@
 
 #include "fit/primitives/list.h"
 
-namespace darboux::fit {
+namespace darboux::fit::torus_starts_test {
 namespace {
 
 // Half on a torus of radii 1 and 0.2, half anywhere about it.
@@ -52,4 +52,4 @@ TEST(TorusStarts, OfNoCircleAreNone) {
 }
 
 }  // namespace
-}  // namespace darboux::fit
+}  // namespace darboux::fit::torus_starts_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace darboux {
+namespace darboux::uv_kinds_test {
 namespace {
 
 constexpr std::uint64_t seed = 42;
@@ -45,4 +45,4 @@ TEST(UvKinds, LinearOnesAre) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::uv_kinds_test

@@ -13,7 +13,7 @@
 
 #include "io/scene_file.h"
 
-namespace darboux::test {
+namespace darboux::test::asteroids_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -171,4 +171,4 @@ TEST_F(Asteroids, NothingThatARayMeetsIsMissing) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::asteroids_test

@@ -17,7 +17,7 @@
 #include "refused_files.h"
 #include "same_asset.h"
 
-namespace darboux {
+namespace darboux::draco_test {
 namespace {
 
 using test::Builder;
@@ -464,4 +464,4 @@ TEST(BadDraco, StreamsCutShortAndFlipped) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::draco_test

@@ -11,7 +11,7 @@
 #include "png_bytes.h"
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::image_files_test {
 namespace {
 
 // A PNG with one chunk more, before its data.
@@ -252,4 +252,4 @@ TEST(ImageFiles, AnExrNeedsRedGreenAndBlue) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::image_files_test

@@ -14,7 +14,7 @@
 
 #include "refused_files.h"
 
-namespace darboux {
+namespace darboux::io_bad_files_test {
 namespace {
 
 using test::Builder;
@@ -519,4 +519,4 @@ TEST(BadFiles, TruncatedObj) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::io_bad_files_test

@@ -13,7 +13,7 @@
 #include "io_files.h"
 #include "second_reader.h"
 
-namespace darboux {
+namespace darboux::io_test {
 namespace {
 
 using namespace test;
@@ -262,4 +262,4 @@ TEST(ReadGltf, BuffersInFilesAndDataUris) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::io_test

@@ -13,7 +13,7 @@
 #include "io_files.h"
 #include "second_reader.h"
 
-namespace darboux {
+namespace darboux::io_write_test {
 namespace {
 
 using namespace test;
@@ -397,4 +397,4 @@ TEST(WriteGlb, ANameThatIsNotUtf8IsReplaced) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::io_write_test

@@ -21,7 +21,7 @@
 #include "refused_files.h"
 #include "sanitized.h"
 
-namespace darboux {
+namespace darboux::mesh_files_bad_test {
 namespace {
 
 using test::expect_bytes_refused;
@@ -384,4 +384,4 @@ TEST(InAChild, IsConfined) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::mesh_files_bad_test

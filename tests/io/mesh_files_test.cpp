@@ -13,7 +13,7 @@
 
 #include "fbx_files.h"
 
-namespace darboux {
+namespace darboux::mesh_files_test {
 namespace {
 
 using test::of_corners;
@@ -370,4 +370,4 @@ TEST(MeshFiles, AnFbxWithoutBitangentsHasPositiveSigns) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::mesh_files_test

@@ -17,7 +17,7 @@
 #include "refused_files.h"
 #include "same_asset.h"
 
-namespace darboux {
+namespace darboux::meshopt_test {
 namespace {
 
 using test::Builder;
@@ -425,4 +425,4 @@ TEST(BadMeshopt, FlippedBytes) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::meshopt_test

@@ -14,7 +14,7 @@
 
 #include "io_files.h"
 
-namespace darboux {
+namespace darboux::obj_test {
 namespace {
 
 using test::TempFolder;
@@ -193,4 +193,4 @@ TEST(ReadObj, PolygonsLinesAndSeveralObjects) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::obj_test

@@ -23,7 +23,7 @@
 #include "sanitized.h"
 #include "torus_points.h"
 
-namespace darboux::test {
+namespace darboux::test::point_files_test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
@@ -605,4 +605,4 @@ TEST_F(PointFiles, AMillionPointsInThreeTimesTheirMemory) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::point_files_test

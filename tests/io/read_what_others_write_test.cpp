@@ -9,7 +9,7 @@
 
 #include "io_files.h"
 
-namespace darboux {
+namespace darboux::read_what_others_write_test {
 namespace {
 
 using test::Builder;
@@ -231,4 +231,4 @@ TEST(ReadWhatOthersWrite, TheUvSetThatTheMaterialNames) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::read_what_others_write_test

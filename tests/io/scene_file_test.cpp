@@ -5,7 +5,7 @@
 #include "io_files.h"
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::scene_file_test {
 namespace {
 
 using io::SceneFile;
@@ -256,4 +256,4 @@ TEST_F(SceneFiles, RefuseWhatIsNoJson) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::scene_file_test

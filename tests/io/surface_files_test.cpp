@@ -17,7 +17,7 @@
 
 #include "io_files.h"
 
-namespace darboux::test {
+namespace darboux::test::surface_files_test {
 namespace {
 
 class SurfaceFiles : public ::testing::Test {
@@ -481,4 +481,4 @@ TEST_F(SurfaceFiles, RefusesBadJsonInOneLine) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::surface_files_test

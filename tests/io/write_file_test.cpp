@@ -13,7 +13,7 @@
 
 #include "io_files.h"
 
-namespace darboux {
+namespace darboux::write_file_test {
 namespace {
 
 using test::TempFolder;
@@ -155,4 +155,4 @@ TEST(WriteFile, StandardOutput) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::write_file_test

@@ -21,7 +21,7 @@
 
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::laws_test {
 namespace {
 
 #ifdef DARBOUX_SHORT_TESTS
@@ -552,4 +552,4 @@ TEST(Laws, HoldAtExtremeParameters) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::laws_test

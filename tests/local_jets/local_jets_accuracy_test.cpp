@@ -14,7 +14,7 @@
 
 #include "jet_patches.h"
 
-namespace darboux::test {
+namespace darboux::test::local_jets_accuracy_test {
 namespace {
 
 double slope(const std::vector<double>& h, const std::vector<double>& errors) {
@@ -214,4 +214,4 @@ TEST(UvJets, ErrorsCoverNoiseAndTruncation) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::local_jets_accuracy_test

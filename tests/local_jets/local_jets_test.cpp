@@ -21,7 +21,7 @@
 #include "random_pose.h"
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::local_jets_test {
 namespace {
 
 double largest(const Vec3<double>& a) {
@@ -539,4 +539,4 @@ TEST(LocalJets, Refusals) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::local_jets_test

@@ -15,7 +15,7 @@
 
 #include "mesh/frames/rings.h"
 
-namespace darboux {
+namespace darboux::local_truth_test {
 namespace {
 
 struct Case {
@@ -255,4 +255,4 @@ TEST(LocalTruth, TurnedUvsChangeNoNormal) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::local_truth_test

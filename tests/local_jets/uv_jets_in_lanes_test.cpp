@@ -18,7 +18,7 @@
 #include "jet_patches.h"
 #include "local_jets/batch.h"
 
-namespace darboux::test {
+namespace darboux::test::uv_jets_in_lanes_test {
 namespace {
 
 using kernels::UvNeighbours;
@@ -135,4 +135,4 @@ TEST(UvJetsInLanes, AreUsed) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::uv_jets_in_lanes_test

@@ -16,7 +16,7 @@
 
 #include "refusal_of.h"
 
-namespace darboux {
+namespace darboux::compare_test {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -574,4 +574,4 @@ TEST(PairMeshes, EmptyAndPointlikePiecesHaveNoDistance) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::compare_test

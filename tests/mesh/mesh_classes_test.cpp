@@ -16,7 +16,7 @@
 #include <darboux/sample_mesh.h>
 #include <darboux/weld.h>
 
-namespace darboux {
+namespace darboux::mesh_classes_test {
 namespace {
 
 TEST(Weld, GroupsWhatIsWithinTheTolerance) {
@@ -511,4 +511,4 @@ TEST(MeshClasses, WhatIsOutOfRangeIsRefused) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::mesh_classes_test

@@ -18,7 +18,7 @@
 
 #include "refusal_of.h"
 
-namespace darboux {
+namespace darboux::mesh_frames_test {
 namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
@@ -505,4 +505,4 @@ TEST(FrameMethods, ProcrustesFindsTheRotation) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::mesh_frames_test

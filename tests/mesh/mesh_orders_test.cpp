@@ -19,7 +19,7 @@
 #include <darboux/statistics.h>
 #include <darboux/vertex_normals.h>
 
-namespace darboux {
+namespace darboux::mesh_orders_test {
 namespace {
 
 constexpr std::uint64_t seed = 20261122;
@@ -249,4 +249,4 @@ TEST(MeshOrders, Cylinder) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::mesh_orders_test

@@ -6,7 +6,7 @@
 #include <darboux/error.h>
 #include <darboux/mesh.h>
 
-namespace darboux {
+namespace darboux::mesh_test {
 namespace {
 
 Mesh one_triangle() {
@@ -52,4 +52,4 @@ TEST(CheckConsistent, NamesTheMeshAndWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::mesh_test

@@ -23,7 +23,7 @@
 #include "mikktspace/generated_meshes.h"
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::mikktspace_test {
 namespace {
 
 template <class T>
@@ -293,4 +293,4 @@ TEST(MikkTSpace, RefusesWhatCannotBeRight) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::mikktspace_test

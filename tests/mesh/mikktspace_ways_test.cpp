@@ -26,7 +26,7 @@
 #include "mikktspace/generated_meshes.h"
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::mikktspace_ways_test {
 namespace {
 
 // All generated meshes in one, several times: soups large enough that threads share every step, with
@@ -447,4 +447,4 @@ TEST(MikkTSpace, AFinOnAFanIsAGroupOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::mikktspace_ways_test

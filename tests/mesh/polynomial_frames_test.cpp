@@ -11,7 +11,7 @@
 #include <darboux/mesh_frames.h>
 #include <darboux/sample_mesh.h>
 
-namespace darboux {
+namespace darboux::polynomial_frames_test {
 namespace {
 
 // A polynomial chart of the method's degree is recovered, at borders and corners too, and on triangles of
@@ -109,4 +109,4 @@ TEST(PolynomialFrames, PolynomialsFollowAffineMapsOfTheChart) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::polynomial_frames_test

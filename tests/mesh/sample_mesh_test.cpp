@@ -8,7 +8,7 @@
 #include <darboux/mesh_frames.h>
 #include <darboux/sample_mesh.h>
 
-namespace darboux {
+namespace darboux::sample_mesh_test {
 namespace {
 
 SampleMeshOptions grid(int columns, int rows) {
@@ -185,4 +185,4 @@ TEST(SampleMesh, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::sample_mesh_test

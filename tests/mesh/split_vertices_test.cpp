@@ -11,7 +11,7 @@
 
 #include "refusal_of.h"
 
-namespace darboux {
+namespace darboux::split_vertices_test {
 namespace {
 
 using Indices = std::vector<std::uint32_t>;
@@ -112,4 +112,4 @@ TEST(SplitVertices, RefusesWhatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::split_vertices_test

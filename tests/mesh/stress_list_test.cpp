@@ -12,7 +12,7 @@
 #include <darboux/error.h>
 #include <darboux/mesh_frames.h>
 
-namespace darboux::test {
+namespace darboux::test::stress_list_test {
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity(),
@@ -173,4 +173,4 @@ TEST_P(StressList, EveryMethodGivesTheRightAnswerOrTheRightRefusal) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::stress_list_test

@@ -12,7 +12,7 @@
 
 #include "refusal_of.h"
 
-namespace darboux {
+namespace darboux::vertex_normals_test {
 namespace {
 
 constexpr double few_roundings = 8 * 0x1p-53;
@@ -109,4 +109,4 @@ TEST(VertexNormals, RefuseBadMeshes) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::vertex_normals_test

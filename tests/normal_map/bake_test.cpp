@@ -11,7 +11,7 @@
 #include "refusal_of.h"
 #include "second_normal_map.h"
 
-namespace darboux::test {
+namespace darboux::test::bake_test {
 namespace {
 
 MapPiece coarse(const AnySurface& surface, int columns = 12, int rows = 6, double jitter = 0) {
@@ -237,4 +237,4 @@ TEST(Bake, RefusesWhatItCannotDo) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::bake_test

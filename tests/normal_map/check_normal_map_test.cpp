@@ -11,7 +11,7 @@
 #include "map_meshes.h"
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::check_normal_map_test {
 namespace {
 
 // The slopes h_u and h_w, w up the image, at texel (x, y).
@@ -248,4 +248,4 @@ TEST(CompareNormalMaps, KnowsGreensDepthsAndWhatIsNotCovered) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::check_normal_map_test

@@ -9,7 +9,7 @@
 #include "map_meshes.h"
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::map_cost_test {
 namespace {
 
 MapPiece coarse(const AnySurface& surface) {
@@ -139,4 +139,4 @@ TEST(MapCost, DoesNotDependOnThreads) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::map_cost_test

@@ -11,7 +11,7 @@
 #include "refusal_of.h"
 #include "second_normal_map.h"
 
-namespace darboux::test {
+namespace darboux::test::normal_map_test {
 namespace {
 
 constexpr MapBasis both_bases[] = {MapBasis::stored, MapBasis::mikktspace};
@@ -626,4 +626,4 @@ TEST(NormalMap, TrianglesWithoutAreaInUvCoverNothingAndAreCounted) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::normal_map_test

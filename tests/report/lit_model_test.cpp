@@ -8,7 +8,7 @@
 #include "map_meshes.h"
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::lit_model_test {
 namespace {
 
 // Round bumps, as the rasteriser's own.
@@ -114,4 +114,4 @@ TEST(LitModel, RefusesWhatItCannotDraw) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::lit_model_test

@@ -10,7 +10,7 @@
 
 #include "io/read_png.h"
 
-namespace darboux::test {
+namespace darboux::test::rasterise_test {
 namespace {
 
 using Vertices = std::vector<PictureVertex>;
@@ -286,4 +286,4 @@ TEST(Rasteriser, RefusesPicturesThatNoMemoryHolds) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::rasterise_test

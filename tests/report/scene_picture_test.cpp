@@ -12,7 +12,7 @@
 
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::scene_picture_test {
 namespace {
 
 void draw(Rasteriser& picture, const Scene& scene, const ScenePlan& plan) {
@@ -250,4 +250,4 @@ TEST(ScenePicture, ShowsWhatIsCloseToWhatHides) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::scene_picture_test

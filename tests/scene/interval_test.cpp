@@ -10,7 +10,7 @@
 
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::interval_test {
 namespace {
 
 using tiles::Enclosure;
@@ -111,4 +111,4 @@ TEST(Enclosures, OfWhatIsNotDefinedAreInfinite) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::interval_test

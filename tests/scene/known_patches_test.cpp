@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace darboux::test {
+namespace darboux::test::known_patches_test {
 namespace {
 
 ScenePatch patch_of(std::uint32_t surface, std::uint16_t cells) {
@@ -68,4 +68,4 @@ TEST(KnownPatches, EachIsItself) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::known_patches_test

@@ -14,7 +14,7 @@
 #include "every_surface.h"
 #include "random_scene.h"
 
-namespace darboux::test {
+namespace darboux::test::occlusion_test {
 namespace {
 
 // Whether the way from a to b meets a unit sphere, of either side, or the unit square about the origin.
@@ -149,4 +149,4 @@ TEST(Occlusion, WhatCannotHideTakesNoPlaceOfWhatCan) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::occlusion_test

@@ -12,7 +12,7 @@
 #include "random_scene.h"
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::scene_mesh_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -108,4 +108,4 @@ TEST(SceneMesh, AnIndexOutOfRangeIsRefused) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::scene_mesh_test

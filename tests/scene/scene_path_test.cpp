@@ -14,7 +14,7 @@
 #include "random_scene.h"
 #include "scene/surface_tiles.h"
 
-namespace darboux::test {
+namespace darboux::test::scene_path_test {
 namespace {
 
 void expect_same_plan(const ScenePlan& kept, const ScenePlan& anew) {
@@ -207,4 +207,4 @@ TEST(ScenePath, PatchesOfAPathKeepTheirNumbers) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::scene_path_test

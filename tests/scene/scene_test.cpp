@@ -19,7 +19,7 @@
 #include "random_scene.h"
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::scene_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -594,4 +594,4 @@ TEST(Scene, RefusesMoreTilesThanAPlanHas) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::scene_test

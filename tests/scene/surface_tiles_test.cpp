@@ -11,7 +11,7 @@
 
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::surface_tiles_test {
 namespace {
 
 // From outside, the nearest point of what is convex is that whose normal points here.
@@ -168,4 +168,4 @@ TEST(ChordLevels, CellsKeepTheChord) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::surface_tiles_test

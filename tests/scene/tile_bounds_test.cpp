@@ -18,7 +18,7 @@
 
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::tile_bounds_test {
 namespace {
 
 constexpr int tiles_per_kind = 20000, samples = 12;
@@ -662,4 +662,4 @@ TEST(Tiles, OtherSurfacesHaveNoBounds) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::tile_bounds_test

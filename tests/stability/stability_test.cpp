@@ -16,7 +16,7 @@
 
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::stability_test {
 namespace {
 
 using Curves = std::vector<StabilityCurve>;
@@ -328,4 +328,4 @@ TEST(Stability, RefusesWhatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::stability_test

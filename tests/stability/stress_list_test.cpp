@@ -15,7 +15,7 @@
 #include <darboux/placed.h>
 #include <darboux/torus.h>
 
-namespace darboux::test {
+namespace darboux::test::stress_list_test {
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity(),
@@ -169,4 +169,4 @@ TEST(StressList, PlacementsMoveTurnMirrorOrAreRefused) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::stress_list_test

@@ -13,7 +13,7 @@
 
 #include "adapted.h"
 
-namespace darboux::test {
+namespace darboux::test::adaptors_singular_test {
 namespace {
 
 // A point where the base's chart collapses, in the adaptor's coordinates: the status bits it has there, the
@@ -151,4 +151,4 @@ TEST(Reparametrised, KeepsInfinitePartials) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::adaptors_singular_test

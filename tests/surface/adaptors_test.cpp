@@ -16,7 +16,7 @@
 
 #include "adapted.h"
 
-namespace darboux::test {
+namespace darboux::test::adaptors_test {
 namespace {
 
 class EveryAdaptor : public ::testing::TestWithParam<Adapted> {};
@@ -221,4 +221,4 @@ TEST(GaussBonnet, HoldsOnClosedSurfacesAndTheirOffsets) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::adaptors_test

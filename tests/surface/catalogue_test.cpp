@@ -11,7 +11,7 @@
 
 #include "source_tree.h"
 
-namespace darboux::test {
+namespace darboux::test::catalogue_test {
 namespace {
 
 // "moebius_strip" -> "MoebiusStrip"
@@ -85,4 +85,4 @@ TEST(Rebind, CarriesTheParametersToAnotherScalar) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::catalogue_test

@@ -18,7 +18,7 @@
 
 #include "refusal_of.h"
 
-namespace darboux::test {
+namespace darboux::test::curve_refusals_test {
 namespace {
 
 using Vec = Vec3<double>;
@@ -156,4 +156,4 @@ TEST(Refusals, OfCurvesAndWhatIsMadeOfThem) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::curve_refusals_test

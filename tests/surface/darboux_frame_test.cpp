@@ -9,7 +9,7 @@
 
 #include "multiprecision_forms.h"
 
-namespace darboux::test {
+namespace darboux::test::darboux_frame_test {
 namespace {
 
 // A circle of latitude, eastwards: V points north, and north of the equator the curve turns to it. κg =
@@ -112,4 +112,4 @@ TEST(DarbouxFrame, OfAPointIsNone) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::darboux_frame_test

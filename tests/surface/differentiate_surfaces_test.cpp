@@ -14,7 +14,7 @@
 #include "estimate_quality.h"
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::differentiate_surfaces_test {
 namespace {
 
 template <class T>
@@ -229,4 +229,4 @@ TEST(Accuracy, StepsFollowTheLength) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::differentiate_surfaces_test

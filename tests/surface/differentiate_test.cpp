@@ -12,7 +12,7 @@
 #include "estimate_quality.h"
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::differentiate_test {
 namespace {
 
 // ---- Functions with known derivatives: what smooth functions look like, each with the length its user would
@@ -574,4 +574,4 @@ TEST(Behaviour, MeasuresNoise) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::differentiate_test

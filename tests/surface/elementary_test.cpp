@@ -17,7 +17,7 @@
 
 #include "multiprecision.h"
 
-namespace darboux::test {
+namespace darboux::test::elementary_test {
 namespace {
 
 using Mp50 = BoostDigits<50>;
@@ -253,4 +253,4 @@ TYPED_TEST(ElementaryOf, SinhAndTanhAreOddAndCoshIsEven) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::elementary_test

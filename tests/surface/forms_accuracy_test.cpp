@@ -21,7 +21,7 @@
 #include "every_surface.h"
 #include "multiprecision.h"
 
-namespace darboux::test {
+namespace darboux::test::forms_accuracy_test {
 namespace {
 
 using B = BoostDigits<100>;
@@ -311,4 +311,4 @@ TYPED_TEST(FormsOfAnySize, KeepTheirDigits) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::forms_accuracy_test

@@ -9,7 +9,7 @@
 
 #include "multiprecision_forms.h"
 
-namespace darboux::test {
+namespace darboux::test::forms_singular_test {
 namespace {
 
 // At the poles of an ellipsoid κ = -c/a² and -c/b² along the axes, whatever u; for any sizes.
@@ -186,4 +186,4 @@ TEST(SingularPoints, OfAConeHasNoCurvature) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::forms_singular_test

@@ -19,7 +19,7 @@
 
 #include "multiprecision_forms.h"
 
-namespace darboux::test {
+namespace darboux::test::forms_test {
 namespace {
 
 constexpr int points = 5'000;
@@ -455,4 +455,4 @@ TEST(Curvature, WithoutAPlaneIsNan) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::forms_test

@@ -10,7 +10,7 @@
 #include "every_surface.h"
 #include "multiprecision.h"
 
-namespace darboux::test {
+namespace darboux::test::frame_test {
 namespace {
 
 constexpr double u = 0x1p-53;  // unit roundoff
@@ -411,4 +411,4 @@ TEST(FrameTransform, RefusesSingularMapsByName) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::frame_test

@@ -17,7 +17,7 @@
 
 #include "adapted.h"
 
-namespace darboux::test {
+namespace darboux::test::from_position_test {
 namespace {
 
 // What is made of the sphere by position alone.
@@ -110,4 +110,4 @@ TEST(FromPosition, HasLimitFramesAtPoles) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::from_position_test

@@ -14,7 +14,7 @@
 #include "every_surface.h"
 #include "multiprecision.h"
 
-namespace darboux::test {
+namespace darboux::test::ill_conditioned_test {
 namespace {
 
 constexpr double half_the_digits = 0x1p-26;
@@ -112,4 +112,4 @@ TEST(IllConditioned, PartialsNearlyParallelAre) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::ill_conditioned_test

@@ -17,7 +17,7 @@
 #include "every_surface.h"
 #include "expect_limit.h"
 
-namespace darboux::test {
+namespace darboux::test::limit_frames_test {
 namespace {
 
 using Vec = Vec3<double>;
@@ -260,4 +260,4 @@ TEST(LimitFrames, InFloat) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::limit_frames_test

@@ -11,7 +11,7 @@
 
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::multiprecision_test {
 namespace {
 
 using Wide = BoostDigits<60>;
@@ -100,4 +100,4 @@ TEST(Multiprecision, ComparesAndRounds) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::multiprecision_test

@@ -13,7 +13,7 @@
 
 #include "adapted.h"
 
-namespace darboux::test {
+namespace darboux::test::offset_test {
 namespace {
 
 std::vector<Adapted> every_offset() {
@@ -134,4 +134,4 @@ TEST(Offset, AtItsFocalPointsSaysSo) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::offset_test

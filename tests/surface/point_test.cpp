@@ -18,7 +18,7 @@
 
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::point_test {
 namespace {
 
 constexpr double roundoff = 0x1p-53;
@@ -335,4 +335,4 @@ TEST(Points, CheckedRefusesWhatTheCommandLineRefuses) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::point_test

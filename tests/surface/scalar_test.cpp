@@ -17,7 +17,7 @@
 #include "every_surface.h"
 #include "multiprecision.h"
 
-namespace darboux::test {
+namespace darboux::test::scalar_test {
 namespace {
 
 using Mp50 = BoostDigits<50>;
@@ -320,4 +320,4 @@ TEST(Dual, ComparesByValue) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::scalar_test

@@ -15,7 +15,7 @@
 #include "archetype.h"
 #include "multiprecision.h"
 
-namespace darboux::test {
+namespace darboux::test::scalars_test {
 namespace {
 
 constexpr double u0 = 0.3, v0 = 0.2;
@@ -134,4 +134,4 @@ TEST(Scalars, NeedNothingBeyondTheArchetype) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::scalars_test

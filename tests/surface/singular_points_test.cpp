@@ -17,7 +17,7 @@
 #include "every_surface.h"
 #include "expect_limit.h"
 
-namespace darboux::test {
+namespace darboux::test::singular_points_test {
 namespace {
 
 using Points = std::vector<Vec2<double>>;
@@ -569,4 +569,4 @@ TEST(Implicit, VanishesOnTheDoubleCircleOfAKleinBottle) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::singular_points_test

@@ -24,7 +24,7 @@
 #include "compare_frames.h"
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::spline_test {
 namespace {
 
 using Vec = Vec3<double>;
@@ -602,4 +602,4 @@ TEST(KnotVector, AnIntervalBelowTheNumbersIsRefused) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::spline_test

@@ -8,7 +8,7 @@
 
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::surface_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -66,4 +66,4 @@ TEST(Prepare, HandsEachKindItsForm) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::surface_test

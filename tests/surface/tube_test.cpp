@@ -12,7 +12,7 @@
 #include "compare_frames.h"
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::tube_test {
 namespace {
 
 using Vec = Vec3<double>;
@@ -154,4 +154,4 @@ TEST(Tubes, HaveNoFrameWhereTheCurveRunsAlongUp) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::tube_test

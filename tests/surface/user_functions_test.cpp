@@ -16,7 +16,7 @@
 #include "compare_frames.h"
 #include "every_surface.h"
 
-namespace darboux::test {
+namespace darboux::test::user_functions_test {
 namespace {
 
 using Vec = Vec3<double>;
@@ -211,4 +211,4 @@ TEST(UserFunctions, ThatThrowAreNotCaught) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::user_functions_test

@@ -3,7 +3,7 @@
 
 #include <darboux/vector.h>
 
-namespace darboux {
+namespace darboux::vector_test {
 namespace {
 
 TEST(Vec3, ArithmeticIsComponentwise) {
@@ -39,4 +39,4 @@ TEST(Vec4, HoldsDirectionAndSign) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::vector_test

@@ -10,7 +10,7 @@
 
 #include "source_tree.h"
 
-namespace darboux::test {
+namespace darboux::test::arrows_test {
 namespace {
 
 // ---- ranks ------------------------------------------------------------------------------------------------
@@ -352,4 +352,4 @@ TEST(IncludedBy, ReadsDirectivesOnly) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::arrows_test

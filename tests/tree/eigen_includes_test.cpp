@@ -10,7 +10,7 @@
 
 #include "source_tree.h"
 
-namespace darboux::test {
+namespace darboux::test::eigen_includes_test {
 namespace {
 
 struct Definitions {
@@ -87,4 +87,4 @@ TEST(EigenIncludes, AMissingHeaderIsFound) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::eigen_includes_test

@@ -19,7 +19,7 @@
 #include "mesh/vertex_joins.h"
 #include "validate/consistent.h"
 
-namespace darboux {
+namespace darboux::cones_test {
 namespace {
 
 using Random = std::mt19937_64;
@@ -524,4 +524,4 @@ TEST(Cones, AreTheSameHoweverAFanLies) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::cones_test

@@ -9,7 +9,7 @@
 
 #include <darboux/validate.h>
 
-namespace darboux {
+namespace darboux::findings_page_test {
 namespace {
 
 // With single spaces for what separates words.
@@ -45,4 +45,4 @@ TEST(FindingsPage, HasASectionForEachCode) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::findings_page_test

@@ -10,7 +10,7 @@
 #include <darboux/mesh.h>
 #include <darboux/validate.h>
 
-namespace darboux {
+namespace darboux::mikktspace_reference_test {
 namespace {
 
 bool same_bits(const Vec4<float>& a, const Vec4<float>& b) {
@@ -136,4 +136,4 @@ TEST(MikktspaceReference, HasTangentsBesideTinyAndHugeNumbers) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::mikktspace_reference_test

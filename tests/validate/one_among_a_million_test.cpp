@@ -11,7 +11,7 @@
 #include <darboux/sample_mesh.h>
 #include <darboux/validate.h>
 
-namespace darboux {
+namespace darboux::one_among_a_million_test {
 namespace {
 
 // Exact, with the truth at each vertex.
@@ -158,4 +158,4 @@ TEST_F(OneAmongAMillion, NoneIsNone) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::one_among_a_million_test

@@ -17,7 +17,7 @@
 
 #include "refusal_of.h"
 
-namespace darboux {
+namespace darboux::reference_meshes_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -438,4 +438,4 @@ TEST(ReferenceMeshes, RefuseWhatDoesNotGoTogether) {
 }
 
 }  // namespace
-}  // namespace darboux
+}  // namespace darboux::reference_meshes_test

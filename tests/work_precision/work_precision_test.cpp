@@ -14,7 +14,7 @@
 #include <darboux/error.h>
 #include <darboux/work_precision.h>
 
-namespace darboux::test {
+namespace darboux::test::work_precision_test {
 namespace {
 
 using Samples = std::vector<WorkSample>;
@@ -501,4 +501,4 @@ TEST(WorkPrecision, RefusesWhatIsNotThere) {
 }
 
 }  // namespace
-}  // namespace darboux::test
+}  // namespace darboux::test::work_precision_test
