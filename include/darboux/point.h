@@ -1,6 +1,7 @@
 /// \file point.h
-/// Evaluates a surface at one point (u, v): partials, frames, status. Nothing here throws or
-/// logs; without NDEBUG a parameter out of range ends the program (checked() in surface.h).
+/// Evaluates a surface at one point (u, v): partials, frames, status. Nothing here throws or logs. Without
+/// NDEBUG, frame(), parametric_frame() and sample() of a surface end the program where checked() of surface.h
+/// refuses it, if all its parameters are finite and of type double; jet() and status() do not check.
 #pragma once
 
 #include <cmath>
@@ -45,7 +46,7 @@ Status status_of_point(const X& surface, S u, S v, const PU& pu, const PV& pv) {
   return result;
 }
 
-// Those of an adaptor's base too.
+// Whether all parameters are finite, those of an adaptor's base too.
 template <class X>
 bool parameters_are_finite(const X& surface) {
   bool finite = true;
@@ -54,7 +55,7 @@ bool parameters_are_finite(const X& surface) {
   if constexpr (requires { surface.base; }) finite = finite && parameters_are_finite(surface.base);
   return finite;
 }
-// The same of any parameters.
+// What status() says of (u, v) given prepared, whatever the parameters.
 template <class X, std::floating_point S, class PU, class PV>
 Status status_at(const X& surface, S u, S v, const PU& pu, const PV& pv) {
   return parameters_are_finite(surface) ? status_of_point(surface, u, v, pu, pv) : Status::non_finite_input;
@@ -72,7 +73,7 @@ Status status(const X& surface, S u, S v) {
 
 namespace detail {
 
-// What of a status says that the partials give no frame.
+// The status bits that say that the partials give no frame.
 constexpr Status degenerate = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
 
 // Whether the limits of a surface type come from limit_at(): of those without a closed frame, and of adaptors

@@ -58,7 +58,7 @@ Recognition find_declared(const Mesh& mesh, std::span<const signed char> signs, 
       result.reason = ": there are no uvs, which tell where a " + std::string(kind) + " lies";
     return result;
   }
-  // Of a disk of any size they tell the plane.
+  // For a disk of any size, positions determine its plane.
   const bool plane = kind == "disk" && options.surface->parameters.empty();
   if (auto fit = fit_positions(mesh, plane ? SurfaceSpecification{"plane", {}} : *options.surface,
                                options.placement)) {
@@ -86,13 +86,13 @@ Assessment assessment_of(const MeshUnderTest& under_test, Recognition recognitio
   if (fits || !options.references.analytic || (mesh.uvs.empty() && !declared)) return result;
   const std::size_t corners = std::max<std::size_t>(mesh.corners(), 1);
   // A declared surface that is near enough is no mismatch, even where the fit cannot tell which of its charts
-  // it is.
+  // the uvs are.
   if (declared && recognition.identifiable && !is_near(result.fit)) {
     add(report, finding(Code::surface_mismatch, corners, recognition.reason));
     report.verdict = Verdict::fail;
   } else {
     add(report, finding(Code::surface_unknown, corners, recognition.reason));
-    // What was declared could not be compared, nor anything else.
+    // The declared surface could not be compared, or nothing judged the mesh.
     if (declared && (!recognition.identifiable || report.reference == ReferenceKind::none)) {
       report.without_errors = std::max(report.without_errors, Verdict::undetermined);
       report.verdict = std::max(report.verdict, Verdict::undetermined);
@@ -159,8 +159,8 @@ class PartSearch {
   std::size_t passed_over = 0;  // parts that were not looked at, as there are too many
 
  private:
-  // Cuts at the borders of charts and where normals break, and what is not recognised then at its creases.
-  // The largest first, as only so many are looked at.
+  // Cuts at the borders of charts and where normals break; pieces that are then not recognised are cut at
+  // their creases. The largest come first, as only so many are looked at.
   void look_at(const Triangles& triangles, bool at_creases) {
     std::vector<Triangles> pieces = cutter_.pieces(triangles, at_creases);
     std::stable_sort(pieces.begin(), pieces.end(),
@@ -245,7 +245,7 @@ Recognition recognise_whole(const MeshUnderTest& under_test, const AssessOptions
              : recognise(under_test.mesh, under_test.raw_sign, options.placement, effort);
 }
 
-// What is left of a mesh of which something was compared leaves nothing open.
+// Where an assessment passes, parts that nothing could judge do not leave the mesh undetermined.
 void close_what_is_left(std::vector<Assessment>& assessments) {
   const bool passes = std::any_of(assessments.begin(), assessments.end(), [](const Assessment& assessment) {
     return assessment.report.without_errors == Verdict::pass;

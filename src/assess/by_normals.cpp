@@ -24,7 +24,7 @@ struct Oriented {
   Vector3d p, n;  // over the size, about the centre; unit
 };
 
-// Where a surface of revolution lies: its axis, and (u, v) of a place.
+// Where a surface of revolution lies: its axis, and (u, v) of a position.
 struct Axis {
   Vector3d point, direction;
   double radius = 0, tube = 0;  // of a torus
@@ -159,13 +159,13 @@ std::optional<MeshFit> fit_by_normals(const Mesh& mesh, const Shape& shape, Surf
   if (kind == SurfaceKind::cone) axis = cone(list);
   if (kind == SurfaceKind::torus) axis = torus(list);
   if (!axis || !axis->point.allFinite()) return std::nullopt;
-  // The surface's own (u, v) of each place, through which it is fitted.
+  // Has the surface's own (u, v) of each position, through which it is fitted.
   Mesh charted;
   charted.triangles = mesh.triangles;
   charted.positions = mesh.positions;
   const auto [x, y] = across(axis->direction);
   double lowest = 0, highest = 0, longest = 0;
-  // Along the straight lines of a cone, so that what positions err by along them is none of the distance.
+  // Along the straight lines of a cone, so that errors of positions along them do not count as distance.
   const double across_axis = std::sqrt(1 - axis->along_axis * axis->along_axis);
   const auto from_apex = [&](const Vector3d& q) {
     return std::fabs(axis->along_axis) * std::hypot(q.x(), q.y()) -

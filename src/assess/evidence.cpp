@@ -37,8 +37,8 @@ constexpr Prior priors[] = {
 };
 constexpr Prior any_other{SurfaceKind::other, Symmetry::none, 10, -6};
 
-constexpr double same = 1e-3;  // places of rings, of the size; lengths within ten times that, of their median
-constexpr std::size_t looked_at = 5000;  // places and vertices of large meshes, spread evenly
+constexpr double same = 1e-3;  // of the size, for rings; ten times that, of their median, for lengths
+constexpr std::size_t looked_at = 5000;  // positions and vertices of large meshes, spread evenly
 constexpr double agree_deg = 5, tight_deg = 1;
 constexpr double most_positions = 8, most_uvs = 4, most_normals = 4;
 constexpr double least_explained = 100;  // what the surface leaves, against what a plane leaves
@@ -126,7 +126,7 @@ double spare_columns(const Orbits& orbits) {
   return std::fmin(static_cast<double>(orbits.columns) - 3, static_cast<double>(orbits.mirrored) - 2);
 }
 
-// Places up to the signs of their coordinates.
+// The number of positions up to the signs of their coordinates.
 std::size_t folded(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& placement) {
   std::vector<Eigen::Vector3d> list;
   const Eigen::Isometry3d to_local = placement.inverse();
@@ -169,8 +169,8 @@ struct Normals {
   std::size_t compared = 0;
 };
 
-// \param on_axis how near to the axis of the placement a place is a tip, which has no normal; negative: there
-// is no axis
+// \param on_axis how near to the axis of the placement a position is a tip, which has no normal; negative:
+// there is no axis
 Normals compare_normals(const Mesh& mesh, const MeshFit& fit, double on_axis) {
   std::vector<bool> used(mesh.positions.size(), false);
   for (const Triangle& t : mesh.triangles)
@@ -224,7 +224,7 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
     orbits = rings(mesh, shape, placement);
   } else {
     orbits.count = lengths(mesh, shape, fit);
-    // What a lathe or a mirror puts onto a ball together counts once, about whatever axis.
+    // Positions that a lathe or a mirror puts onto a ball together count once, about whatever axis.
     if (prior.symmetry == Symmetry::sphere)
       orbits.count = std::min(orbits.count, folded(mesh, shape, placement));
     if (prior.symmetry == Symmetry::sphere)
@@ -277,7 +277,7 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   result.text =
       name + ": " + std::to_string(orbits.count) +
       (prior.symmetry == Symmetry::axis ? " different rings" : " different lengths of edges") + " of " +
-      std::to_string(shape.places.size()) + " places, " + rounded(explained, 2) +
+      std::to_string(shape.places.size()) + " positions, " + rounded(explained, 2) +
       " times as near as to a plane" + (own ? ", uvs are its own" : "") +
       (compared.compared > 0 ? ", normals agree at " + rounded(100 * compared.agree, 3) + " %" : "") +
       (faceted ? ", normals are the triangles'" : "") + ", faces turn by " + rounded(shape.turn_deg, 2) +

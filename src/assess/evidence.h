@@ -7,7 +7,7 @@
 
 namespace darboux {
 
-// Of a fit that fits.
+// The evidence for a fit that fits.
 Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit);
 
 }  // namespace darboux

@@ -21,9 +21,9 @@ namespace {
 
 constexpr double flat = fits_below;             // thickness of what is a plane or nothing
 constexpr std::size_t fewest_in_a_plane = 4;    // triangles
-constexpr std::size_t fewest_under_a_map = 40;  // places, of a surface that only its uvs tell
+constexpr std::size_t fewest_under_a_map = 40;  // positions, of a surface that only its uvs tell
 constexpr std::size_t fewest_by_positions =
-    32;                                // places, where normals are stored that are not the surface's
+    32;                                // positions, where normals are stored that are not the surface's
 constexpr double plane_normals = 0.8;  // share of normals that must be the plane's
 
 }  // namespace

@@ -16,8 +16,8 @@
 
 namespace darboux {
 
-// Of a fit that does not fit: what it came to, and why that is not enough. An affine map is so free that it
-// must fit better. \param limit the rms_relative up to which it would
+// For a fit that does not fit: what it came to, and why that is not enough. An affine map has so much freedom
+// that it must fit better. \param limit the rms_relative up to which it would fit
 std::string nearest_fit(const MeshFit& fit, double limit);
 
 // How much may still be tried on one mesh, after what was tried on others of its file.
@@ -38,8 +38,8 @@ class Effort {
   // Whether only cheap fits may be tried; counts the parts for which that is so.
   bool must_be_brief();
   std::size_t searched_briefly() const { return searched_briefly_; }
-  // Once, and not in what falls apart into islands of an atlas: only kinds that are found by positions are
-  // charted there.
+  // Only once, and not in a mesh that falls apart into islands of an atlas: there only kinds that are found
+  // by positions are charted.
   bool may_search_affine(const Shape& shape);
 
  private:

@@ -26,7 +26,7 @@ constexpr std::size_t algebraic_places = 400;
 constexpr double near_algebraic = 3 * fits_below;  // of the size
 constexpr double apart = 10;                       // how many times as far the second nearest quadric must be
 constexpr double clear = 1e-3;                     // of the largest eigenvalue of a quadric's form
-constexpr std::size_t fewest = 8;                  // places
+constexpr std::size_t fewest = 8;                  // positions
 constexpr double most_polyhedral = 0.2;            // of the edges that turn
 constexpr std::size_t many_places = 1000;  // beyond which folds, as of Schwarz's lantern, tell nothing
 constexpr double most_faceted = 0.5;
@@ -113,7 +113,7 @@ Eigen::Vector3d in_units_of(const Shape& shape, const Vec3<double>& p) {
   return (to_eigen(p) - shape.centre) / shape.size;
 }
 
-// The principal axes of the places, and their distance from a plane.
+// The principal axes of the positions, and their distance from a plane.
 void measure_spread(const Mesh& mesh, Shape& shape) {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -222,8 +222,8 @@ Shape shape_of(const Mesh& mesh) {
 
 namespace {
 
-// Of all polynomials in some monomials those nearest to the places: the roots of the least values of sum F²
-// over sum |grad F|², distances in units of the mesh's size, and the coefficients of each [Taubin1991].
+// Of all polynomials in some monomials those nearest to the positions: the roots of the least values of sum
+// F² over sum |grad F|², distances in units of the mesh's size, and the coefficients of each [Taubin1991].
 template <int N>
 struct Algebraic {
   std::size_t places = 0;

@@ -1,5 +1,5 @@
-// What a mesh looks like before any surface is fitted: how many places it has, how its faces turn, whether it
-// is flat.
+// What a mesh looks like before any surface is fitted: how many positions it has, how its faces turn, whether
+// it is flat.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,15 @@
 namespace darboux {
 
 struct Shape {
-  // One vertex of each different finite position that triangles use; of large meshes about some thousands of
-  // vertices, as the rest.
+  // One vertex for each different finite position that triangles use. Of large meshes, like all else here,
+  // from the triangles about some thousands of vertices.
   std::vector<std::uint32_t> places;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double size = 0;                                     // diagonal of the bounding box
   double thickness = 0;                                // rms distance from the best plane, over the size
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  // of inertia, the thinnest first
   Eigen::Vector3d plane_normal = Eigen::Vector3d::UnitZ();
-  std::vector<std::array<std::uint32_t, 2>> edges;  // between places, by vertex; each once
+  std::vector<std::array<std::uint32_t, 2>> edges;  // between positions, by vertex; each once
   std::size_t turning = 0;                          // edges whose faces turn by more than a degree
   double moderate = 1;                              // the share of these that turn by no more than 50 degrees
   double turn_deg = 0;                              // their median
@@ -34,15 +34,14 @@ struct Shape {
 
 Shape shape_of(const Mesh& mesh);
 
-// What quadric the places lie on, within three times fits_below: definite, a sphere or an ellipsoid;
-// indefinite, a cone, a hyperboloid or a saddle; any where that is not clear, or the places lie on more than
-// one.
+// What quadric the positions lie on, within three times fits_below: definite, a sphere or an ellipsoid;
+// indefinite, a cone, a hyperboloid or a saddle; any where that is not clear, or they lie on more than one.
 enum class Quadric { none, definite, indefinite, any };
-Quadric quadric_of(const Mesh& mesh, const Shape& shape);  // looks at some hundreds of places
+Quadric quadric_of(const Mesh& mesh, const Shape& shape);  // looks at some hundreds of positions
 
-// Whether the places may lie on a Darboux cyclide, a |p|⁴ + |p|² l(p) + q(p) = 0 with l linear and q
+// Whether the positions may lie on a Darboux cyclide, a |p|⁴ + |p|² l(p) + q(p) = 0 with l linear and q
 // quadratic, of which a torus is one.
-bool may_be_cyclide(const Mesh& mesh, const Shape& shape);  // looks at some hundreds of places
+bool may_be_cyclide(const Mesh& mesh, const Shape& shape);  // looks at some hundreds of positions
 
 // Why no curved surface need be looked for; nothing where one may be.
 std::optional<Evidence> against_any_surface(const Shape& shape);

@@ -30,7 +30,7 @@ DeclaredFit fit_declared(const Mesh& mesh, const SurfaceSpecification& given,
 DeclaredFit fit_declared(const Mesh& mesh, const AnySurface& exact,
                          const std::optional<Eigen::Isometry3d>& placement,
                          std::span<const signed char> signs);
-// The public one.
+// truths() of fit_mesh.h, for these signs.
 std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit, std::span<const signed char> signs);
 
 }  // namespace darboux

@@ -25,8 +25,8 @@ constexpr double hopeless = 0.2;
 // Nor is one refined whose rms distance is beyond this: rounding would hide all else.
 constexpr double too_far = 1e6;
 
-// A fit to the few points that leaves this many times the limit after so many steps is not refined on more:
-// those that end as a fit come there in less than eight.
+// A fit to the few points that leaves this many times the limit after so many steps is not refined on more
+// points: those that will fit get there in fewer than eight steps.
 constexpr double hopeless_share = 30;
 constexpr int first_steps = 12;
 
@@ -303,8 +303,8 @@ std::optional<Trial> try_conventions(const Data& data, const Wanted& wanted) {
   return best;
 }
 
-// Of maps that go through the same points the one is meant that stays in the surface's domain, not behind its
-// pole or apex, and is the least steep: on few columns one that is several times as steep meets them too.
+// Of maps that go through the same points, the intended one stays in the surface's domain, not behind its
+// pole or apex, and is the least steep: with few columns one that is several times as steep meets them too.
 double strangeness(const UvModel& model, const UvState& state) {
   const auto& m = state.affine;
   const double outside = outside_of_domain(*model.kind, model.whole_convention(state), model.points->uvs);
@@ -430,8 +430,8 @@ DeclaredFit fit_declared(const Mesh& mesh, const SurfaceSpecification& given,
   const Wanted wanted{*kind, given.parameters, {}, placement, Wanted::Roundings::of_all};
   std::optional<Trial> best = try_conventions(data, wanted);
   if (!best || !best->fits) {
-    // What another kind explains under a plain convention is that kind, and no limit of this one with bent
-    // uvs: a torus of major radius 0 is a sphere.
+    // A mesh that another kind explains under a plain convention is of that kind, not a limit of this one
+    // with distorted uvs: a torus of major radius 0 is a sphere.
     const bool another = std::any_of(uv_kinds().begin(), uv_kinds().end(), [&](const UvKind& other) {
       if (&other == kind) return false;
       const auto trial = try_conventions(data, {other, {}, {}, placement, Wanted::Roundings::of_positions});

@@ -152,7 +152,7 @@ NormalMapCheck check_normal_map(const Image& map, bool signed_floats) {
   const normal_map::Coding coding(map.type(), signed_floats);
   const bool floats = map.type() == SampleType::f32;
   const double half_code = floats ? 1e-7 : 1 / normal_map::most_of(map.type());
-  // A relief that 8 bits cannot show is none: what more bits hold below that is the rest of a bake.
+  // A relief too flat for 8 bits is none: what deeper maps hold below that is left over from a bake.
   const double half_code_of_slopes = 1 / normal_map::most_of(SampleType::u8);
   const double off = floats ? 1e-6 : 2 * std::sqrt(3.0) * half_code * (1 + 1e-9);
   NormalMapCheck check;

@@ -71,8 +71,8 @@ class MikkFrames {
     const Vec3<double> t = t_(i), n = n_(i);
     return {t, corners_[0].w * cross(n, t), n};
   }
-  /// Of the singular values of a frame, the square of their ratio. Two are those of (t n), the third is their
-  /// product, |n × t|.
+  /// The square of the ratio of a frame's extreme singular values. Two singular values are those of (t n),
+  /// the third is their product, |n × t|.
   double condition_square(const Columns& m, double) const {
     const double a = dot(m.t, m.t), d = dot(m.n, m.n), g = dot(m.t, m.n), third = dot(m.b, m.b);
     const double largest = (a + d + std::sqrt((a - d) * (a - d) + 4 * g * g)) / 2;
@@ -116,7 +116,7 @@ class ViewerFrames {
     };
     return {scale_ * unit_of(0), scale_ * unit_of(1), unit_of(2)};
   }
-  /// The same, infinite where the frame has no inverse; where it is known to be no more than `least`, that.
+  /// The same, infinite where the frame has no inverse; `least` where it is known to be no more than that.
   /// Without a scale the Gram matrix is 1 + D, D without diagonal: eigenvalues of D have the sum 0 and
   /// squares of the sum 2 (tb² + tn² + bn²), so none is beyond k.
   double condition_square(const Columns& m, double least) const {

@@ -198,7 +198,7 @@ class Converter {
     }
   }
 
-  // What of begin to end - 1 the map does not cut off.
+  // The part of begin to end - 1 that the map does not cut off.
   static std::array<std::int64_t, 2> limits(std::int64_t begin, std::int64_t end, std::int64_t size,
                                             MapWrap wrap) {
     if (wrap != MapWrap::clamp) return {begin, end};

@@ -18,11 +18,11 @@ struct Enclosed {
   TileRates second;        // second derivatives of the frame, where they were asked for
 };
 
-// Nothing for surfaces whose formulas do not, and where a formula would branch within the tile.
+// Null for surfaces whose formulas do not run on intervals, and where a formula would branch within the tile.
 std::shared_ptr<const Enclosed> enclose(const AnySurface& surface, const Tile& tile, TileOrder order);
 
 double enclosed_support(const Enclosed& s, const Vec3<double>& direction);
-// Of n·E - offset·(n·P), offset 1 for an eye, 0 for a direction.
+// An upper bound of n·E - offset·(n·P) over the tile, offset 1 for an eye, 0 for a direction.
 double enclosed_facing(const Enclosed& s, const Vec3<double>& e, double offset);
 TileRates enclosed_rates(const Enclosed& s);
 

@@ -16,8 +16,8 @@ bool is_outside(const SceneMeshPart& part, const Eigen::Affine3d& placement, dou
 bool faces_away(const SceneMeshPart& part, const Eigen::Affine3d& placement, const View& view);
 
 // Adds what is needed of the scene's meshes to a plan, each part of an instance as one tile: nothing of them
-// is evaluated. \throws ParameterError for a mesh or a material that the scene has not, or a placement that
-// is not finite
+// is evaluated. \throws ParameterError for a mesh or a material that the scene lacks, or a placement that is
+// not finite
 void plan_mesh_parts(const Scene& scene, const SceneRequest& request, const TileTests& tests,
                      const Occlusion& occlusion, ScenePlan& plan);
 

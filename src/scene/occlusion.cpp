@@ -243,7 +243,7 @@ void Occlusion::find_sides(const Occluder& o, const TileLevels& levels) {
         finite = finite && std::isfinite(facing_[c] + s.depth) && std::fabs(s.x) < farthest_cell &&
                  std::fabs(s.y) < farthest_cell;
       }
-      // What is beyond the far plane hides only what is, too.
+      // Beyond the far plane a cell could hide only what is beyond it, too.
       if (!finite || !(least_depth - 2 * error >= near_)) continue;
       const double change =
           turning * (within ? std::min(away + here, from_eye) : from_eye) + 0x1p-20 * lengths;

@@ -15,10 +15,10 @@
 
 namespace darboux {
 
-// The view of a camera, cut into cells, and for each a depth at which, or before, something opaque is drawn
-// everywhere in it: of triangles, and of the surface itself.
+// The view of a camera, cut into cells, and for each cell a depth: everywhere in it something opaque is drawn
+// at that depth or nearer, of the triangles and of the surface itself.
 //
-// Of an instance only parts of the chart are taken that face the camera with a margin, beyond the near plane.
+// Only those parts of an instance's chart are used that face the camera with a margin, beyond the near plane.
 // The winding number of their projected border about a cell is the number of times they cover each of its
 // points, one side counted as 1 and the other as -1: the degree of a continuous map of the plane. As none of
 // them faces away, a number other than 0 says that something is drawn there. The border is known by samples,

@@ -19,7 +19,7 @@ struct Placed {
   double displacement;
   double eye_rounding;    // of `eye`
   double plane_rounding;  // of planes
-  double away;            // how far all of it, with what surrounds it, is outside the frustum; or not, if < 0
+  double away;            // how far all of it, with what surrounds it, is outside the frustum; < 0: it is not
   double farthest;        // from the eye to the far side of a sphere round it
   std::uint8_t planes;    // of the frustum, those that may cut it
   double within;          // how far it is within the others

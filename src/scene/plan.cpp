@@ -48,7 +48,7 @@ struct Decision {
   std::uint32_t patch_count = 0;
 };
 
-// As many tiles as a plan has at most, before any are hidden: what is refused is so before the work.
+// The most tiles of a plan, hidden ones included, so that a scene is refused before the work is done.
 constexpr std::size_t most_tiles = std::size_t{1} << 24;
 
 void refuse_small_bounds() {

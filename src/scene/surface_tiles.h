@@ -90,8 +90,7 @@ class SurfaceTiles {
   // The largest rates over the chart.
   const TileRates& finest() const { return finest_; }
   const Proven& proven() const { return proven_; }  // of these
-  // The same as samples have them, where these are smaller: bounds on intervals are larger than what they
-  // bound.
+  // The same rates as found from samples, where these are smaller: interval bounds exceed what they bound.
   const TileRates& typical() const { return typical_; }
   bool is_typical() const { return is_typical_; }  // whether these are the largest
   double radius() const { return radius_; }        // of a sphere about centre() that holds all of it
@@ -100,9 +99,9 @@ class SurfaceTiles {
   const ChordLevels& finest_chord_levels() const { return finest_levels_; }
   const ChordLevels& typical_chord_levels() const { return typical_levels_; }
 
-  // A lower bound of the distance from a point: in closed form, or of the box from afar, else the least of
-  // those of 16 × 16 tiles. Of surfaces without bounds an estimate from samples. It changes by no more than
-  // the point moves, but jumps where it is another's distance.
+  // A lower bound of the distance from a point: in closed form, or from far away that of the box, else the
+  // least of those of 16 × 16 tiles. For surfaces without bounds it is an estimate from samples. It changes
+  // by no more than the point moves, except for jumps where it comes from another of these.
   struct Distance {
     double least;
     bool by_tiles = false;

@@ -214,7 +214,7 @@ bool TileTests::outside(std::uint32_t index, std::uint8_t& planes) {
 
 bool TileTests::faces_away(std::uint32_t index) {
   const bool perspective = view_.perspective();
-  // Most tiles do not by any of their points. Their bound tells no more, but how far that is from changing.
+  // Most tiles have a point that shows that they do not. Bounds would add only how far that is from changing.
   if (!wants_slack_ && tiles_->facing_point(index, placed_.eye).faces(placed_.eye, perspective)) return false;
   const TileBounds& bounds = (*tiles_)[index].bounds;
   const double facing =

@@ -34,7 +34,7 @@ Accurate::Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks
       return compared == 0 ? 1 : static_cast<double>(compared - beyond) / static_cast<double>(compared);
     }
   } all_normals, all_tangents;
-  // Flat shading is deliberate; on a plane it is no other than smooth shading.
+  // Flat shading is deliberate; on a plane it is the same as smooth shading.
   const std::vector<bool>& faceted = under_test.normals.faceted_vertices;
   const bool leave_out_faceted = basis == Basis::recognised && !faceted.empty();
   for (std::uint32_t v = 0; v < n; ++v) {
@@ -44,7 +44,7 @@ Accurate::Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks
     if (vertex_class == VertexClass::pole) continue;
     const double limit = limit_of(vertex_class, max_angle_deg);
     normals_[v] = claim_of(a.normal, truth[v].normal_deg, limit);
-    // Of a vertex of triangles without uv area nobody sees the tangent.
+    // Nobody sees the tangent of a vertex whose triangles have no uv area.
     if (basis == Basis::declared || under_test.has_uv_area[v])
       tangents_[v] = claim_of(a.projected_tangent, truth[v].tangent_deg, limit);
     all_normals.add(normals_[v], corners_of[v]);
@@ -63,7 +63,8 @@ void Accurate::find_sides(const Mesh& mesh, std::span<const signed char> side,
     if (side[v] > 0 && is_opposed(v)) inward_[v] = true;
     corners += corners_of[v], inward += inward_[v] ? corners_of[v] : 0;
   }
-  // Where the surface's inside is the mesh's outside, so it is for a normal that only its triangles oppose.
+  // Where the surface's inside is the mesh's outside, normals that only their own triangles oppose are
+  // compared with the inward one, too.
   if (2 * inward <= corners) return;
   for (std::size_t v = 0; v < inward_.size(); ++v)
     if (side[v] < 0 && !is_opposed(v)) inward_[v] = true;

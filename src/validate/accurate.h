@@ -47,7 +47,7 @@ class Accurate {
   // The share of corners that agree, of those compared; 1 where none is.
   double normals_agree() const { return normals_agree_; }
   double tangents_agree() const { return tangents_agree_; }
-  // Whether what is beyond is an error. \param diagnosed as one named mistake
+  // Whether angles beyond the limit are errors. \param diagnosed as one named mistake
   bool decides(double agree, bool diagnosed) const { return declared() || diagnosed || agree >= enough; }
   static constexpr double enough = 0.8;
 

@@ -8,7 +8,7 @@
 namespace darboux {
 namespace {
 
-// Where a surface ends, and people give it the normals of what comes next.
+// Whether a surface ends there, where people give it the normals of what comes next.
 bool ends_at(VertexClass c) {
   return c == VertexClass::border || c == VertexClass::crease;
 }

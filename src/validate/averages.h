@@ -1,4 +1,5 @@
-// What of a mesh is beyond a recognised surface, and yet what its own triangles tell: they may be coarse.
+// Normals and tangents that are beyond the limit of a recognised surface but are averages of their own
+// triangles': these may be coarse.
 #pragma once
 
 #include <cstddef>
@@ -13,17 +14,18 @@ namespace darboux {
 
 class Averages {
  public:
-  Averages() = default;  // nothing is
-  // Nothing is of a declared surface either, which is held to.
+  Averages() = default;  // nothing is an average
+  // Nor is anything where the surface is declared: the mesh is held to it.
   Averages(const MeshUnderTest& under_test, const Accurate& accurate, std::span<const VertexChecks> checks,
            std::span<const std::uint32_t> corners_of);
 
   // Whether the tangent of v is an average of the dpdu of its triangles of that sign, or these go all round
-  // it; of either sign for 0.
+  // it; sign 0 stands for either.
   bool tangent(std::uint32_t v, int sign) const;
   // Whether the normal of v is an average of its triangles'.
   bool normal(std::uint32_t v) const { return !normals_.empty() && normals_[v]; }
-  // Whether at least half of the corners whose normals are beyond are such: no mistake need explain them.
+  // Whether at least half of the corners whose normals are beyond have such averages: no mistake need explain
+  // them.
   bool explain_normals() const { return explain_normals_; }
 
  private:

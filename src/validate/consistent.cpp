@@ -22,9 +22,9 @@ namespace {
 
 constexpr double one_sided = 3;            // times the limit
 constexpr double most_turned_on_deg = 45;  // from the next triangles to a border
-// Of a baked scale: up to 3 : 1 it turns the direction that was the normal's away from the new normal, by an
-// angle whose tangent is at most (3 - 1/3) / 2. How far that is followed, and for what share of the tangents
-// of a mesh, are choices.
+// A baked scale of up to 3 : 1 turns the direction that was the normal's away from the new normal, by an
+// angle whose tangent is at most (3 - 1/3) / 2. How far such a turn is allowed, and for what share of a
+// mesh's tangents, are choices.
 constexpr double lean_of_scale = 4.0 / 3, most_lean_deg = 45, most_scaled = 0.03;
 constexpr double uniform_deg = 0.1;
 // Normals at one place that count as one. assimp's dot product is 0.9999.
@@ -39,9 +39,9 @@ constexpr double nearly_all = 0.9;
 constexpr std::size_t least_turned = 8;  // corners of vertices
 
 constexpr std::ptrdiff_t most_at_a_place = 256;  // corners
-constexpr std::ptrdiff_t kept_from = 16;         // corners at a place whose directions are kept for the next
+constexpr std::ptrdiff_t kept_from = 16;         // corners at a position: from here on directions are cached
 constexpr std::ptrdiff_t most_at_an_edge = 64;   // triangles that each make a quad with each of the others
-constexpr std::ptrdiff_t most_next = 16;         // triangles at a place, where those next to them count
+constexpr std::ptrdiff_t most_next = 16;         // triangles at a position: beyond, the next ones are ignored
 
 // \param n unit
 bool are_alike(const Vec3<double>& a, const Vec3<double>& n) {
@@ -92,7 +92,7 @@ Arc hull(std::vector<Arc>& arcs) {
   return {(from + to) / 2, (to - from) / 2};
 }
 
-// What is looked at closely: the tangents that lie along no triangle of their own vertex.
+// Judges the tangents that lie along no triangle of their own vertex.
 class Closely {
  public:
   Closely(const Mesh& mesh, std::span<const signed char> raw_sign, const VertexJoins& joins,
@@ -122,8 +122,8 @@ class Closely {
     std::sort(edges_.begin(), edges_.end());
   }
 
-  // What is claimed, and the cone where the tangent lies outside one that is known. Of a tangent that is left
-  // open, or lies within the cones of several charts together, that is its own chart's.
+  // What is claimed, and the known cone that the tangent lies outside of, if any. For a tangent that is left
+  // open, or that lies within the cone of several charts together, it is the cone of its own chart.
   struct Assessed {
     Claim claim;
     std::optional<Arc> left;
@@ -202,9 +202,9 @@ class Closely {
   };
   using Key = std::tuple<std::uint32_t, int, bool, double, double, double>;
 
-  // Of the triangles of v with that sign, in the plane of its normal; nothing where the normal is no
-  // direction, or those of the many at one place differ. \param of_quads with the triangles of other
-  // diagonals
+  // The directions of the triangles of v with that sign, in the plane of its normal. Null where the normal
+  // has no direction or, where very many corners share the position, differs from that of its group.
+  // \param of_quads with the triangles of other diagonals
   const Directions* directions_of(std::uint32_t v, int sign, bool of_quads) {
     const std::uint32_t own = joins_.position_and_normal[v], place_of_v = joins_.position[v];
     const auto from = [&](std::uint32_t place, std::uint32_t group) {
@@ -214,7 +214,7 @@ class Closely {
     const std::ptrdiff_t many = at.last - at.first;
     Vec3<double> n = unit(mesh_.normals[v]);
     if (!has_direction(n)) return nullptr;
-    // Where very many meet, those of its own normal: each with each would take long.
+    // Where very many meet, only those of its own normal: comparing each with each would take long.
     if (many > most_at_a_place) {
       at = {from(place_of_v, own), from(place_of_v, own + 1)};
       if (!are_alike(mesh_.normals[v], unit(mesh_.normals[own]))) return nullptr;
@@ -274,9 +274,9 @@ class Closely {
            outside <= limit_deg + degrees_per_radian * turn_before(v, sign, directions, cone);
   }
 
-  // By how much the direction at v may lie before that of its own triangles, towards the tangent: half of
-  // what the next triangles, which share a vertex with them and have none at this place, turn on, less what
-  // its own do, which then lie on both sides of v.
+  // How far the direction at v may lie from that of its own triangles, towards the tangent: half of the angle
+  // by which the next triangles turn on, which share a vertex with them and have none at this position, less
+  // the width of its own cone, as its own triangles then lie on both sides of v.
   double turn_before(std::uint32_t v, int sign, const Directions& all, const Arc& cone) {
     if (all.at.last - all.at.first > most_next) return 0;
     const bool clockwise = std::remainder(cone.middle, 2 * pi) < 0;  // from the tangent to the cone, and on
@@ -350,8 +350,9 @@ class Closely {
   std::uint32_t corner(std::uint32_t t, std::uint32_t k) const { return mesh_.triangles[t][k % 3]; }
   std::uint32_t place(std::uint32_t t, std::uint32_t k) const { return joins_.position[corner(t, k)]; }
 
-  // One side of a curved surface leaves out half of the directions. Charts that are cut may go on, as at the
-  // seam of a sphere, or be others, as where three faces of a cube meet.
+  // Whether the triangles go all round the vertex. On one side of a curved surface half of the directions are
+  // missing. A chart that is cut may continue, as at the seam of a sphere, or end, as where three faces of a
+  // cube meet.
   bool goes_all_round() {
     constexpr double rounding = 1e-4;
     std::sort(rim_.begin(), rim_.end(), [](const Spoke& a, const Spoke& b) {
@@ -380,9 +381,8 @@ class Closely {
     };
     return std::fabs(std::remainder(direction(c.k + 1) - direction(c.k + 2), 2 * pi));
   }
-  // Whether the uvs of this place are a line, as at a pole: edges from here to one uv begin at two, three
-  // times at least. The direction of u turns along that line, by a triangle's angle from its one end to the
-  // other.
+  // Whether the uvs of this position form a line, as at a pole: at least three times, edges from here that
+  // end at one uv begin at two. Along that line the direction of u turns, for each triangle by its angle.
   bool is_collapsed_edge() {
     constexpr double alike = 1e-3;  // of the way between the two
     const auto order = [](const Spoke& s) {
@@ -397,7 +397,7 @@ class Closely {
     }
     return split >= 3;
   }
-  // The direction of a triangle with its interval, where its uvs wind as asked.
+  // Adds the direction of a triangle, with its interval, if its uvs wind as asked.
   void add(const std::array<Vec3<double>, 3>& p, const std::array<Vec2<double>, 3>& uv, int sign) {
     double size = 0;
     for (std::size_t k = 0; k < 3; ++k)
@@ -446,13 +446,13 @@ class Closely {
     return is_degenerate(p[0], p[1], p[2]) || certain_sign(mesh_, t, mesh_.half_steps.uv) == 0;
   }
 
-  // Of the quads that edge k of the corner's triangle cuts, the triangles of the other diagonal that have the
-  // corner.
+  // Adds, for each quad that edge k of the corner's triangle cuts, the triangles of its other diagonal that
+  // have the corner.
   void add_other_diagonal(const Corner& c, std::uint32_t k, int sign) {
     const std::uint32_t t = c.triangle;
     if (raw_sign_[t] != sign) return;
     const std::uint32_t p = corner(t, k), q = corner(t, k + 1), r = corner(t, k + 2);
-    // Those that pass the edge the other way.
+    // Edges that run the other way.
     const std::uint32_t from = joins_.position[q], to = joins_.position[p];
     const auto first_edge = std::lower_bound(edges_.begin(), edges_.end(), Edge{from, to, 0, 0}),
                last_edge = std::lower_bound(first_edge, edges_.end(), Edge{from, to + 1, 0, 0});
@@ -469,7 +469,7 @@ class Closely {
       const std::uint32_t x = corner(e->triangle, e->k + 2);
       const Triangle first{p, x, r}, second{x, q, r};
       const double first_area = uv_area2(first), second_area = uv_area2(second);
-      // As the quads that people model are.
+      // In space, as the quads that people model are.
       const auto is_convex = [&] { return faces(first) && faces(second); };
       if (raw_sign_[e->triangle] != sign) {
         // A quad that is concave in uv, cut along the diagonal outside it, has halves that wind in two ways.
@@ -479,7 +479,7 @@ class Closely {
           uncertain_ = true;
         continue;
       }
-      // What the other diagonal would be is open where a half has no area.
+      // Where a half has no area, the other diagonal tells nothing.
       if (is_open(first) || is_open(second)) {
         uncertain_ = true;
         continue;
@@ -597,7 +597,7 @@ void Cones::hold_if_turned(double max_angle_deg) {
   for (const Outside& o : outside_) within -= claims_[o.place] == Claim::within ? 1 : 0;
   const double known = static_cast<double>(within) + static_cast<double>(outside_.size());
   if (outside_.size() < least_turned || static_cast<double>(outside_.size()) < nearly_all * known) return;
-  // All in one sense, or where uvs are mirrored in the other, as bitangents in the place of tangents.
+  // All in one sense, or in the opposite one where uvs are mirrored, as with bitangents in place of tangents.
   for (const bool by_sign : {false, true}) {
     const auto middle = [&](const Outside& o) {
       return by_sign && o.place % 2 == 0 ? -double{o.middle} : double{o.middle};

@@ -61,8 +61,8 @@ double share_within(const std::vector<Pair>& samples, F direction) {
   return static_cast<double>(within) / static_cast<double>(samples.size());
 }
 
-// What the stored tangent is of the reference's, and of which uvs it would be so: under the one name w has
-// the sign of their triangles, `keeps` that of the stored uvs' triangles, under the other its opposite.
+// How the stored tangent lies to the reference's t and b, and for which uvs it would be right: with `keeps`
+// their triangles have the sign of the stored uvs' triangles, with `turns` the opposite one.
 struct Axes {
   std::string_view what;
   double t, b;
@@ -72,9 +72,9 @@ constexpr Axes other_axes[] = {{"-t", -1, 0, "flip both", "flip u"},
                                {"b", 0, 1, "swap flip u", "swap"},
                                {"-b", 0, -1, "swap flip v", "swap flip both"}};
 
-// Along v lies what is across t, where tangents were turned or bitangents stored for them; the reference's
-// own direction of v, where u and v were swapped; and MikkTSpace's of swapped uvs, which is that of coarse
-// meshes.
+// Three directions count as along v: the one across t, where tangents were turned or bitangents stored in
+// their place; the reference's own direction of v, where u and v were swapped; and MikkTSpace's tangent of
+// swapped uvs, for coarse meshes.
 bool follow_other_axes(const MeshUnderTest& under_test, const std::vector<Pair>& samples,
                        const ValidateOptions& options, MeshReport& report) {
   const Mesh& mesh = under_test.mesh;

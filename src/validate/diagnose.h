@@ -24,8 +24,9 @@ bool diagnose_tangents(const MeshUnderTest& under_test,
                        const std::function<Directions(std::size_t corner)>& reference,
                        const ValidateOptions& options, bool held, MeshReport& report);
 
-// The same of normals that are off the surface: they all oppose it, while the winding does not; or
-// NORMAL_STALE, after a linear map. Where no surface is known, NORMAL_STALE against the planes of facets.
+// The same for normals that are off the surface: all oppose it while the winding does not, or NORMAL_STALE,
+// after a linear map. Where no surface is known, NORMAL_STALE against the planes of facets, else against the
+// neighbours.
 bool diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
                       const ValidateOptions& options, MeshReport& report);
 

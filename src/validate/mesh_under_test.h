@@ -20,12 +20,12 @@ struct MeshUnderTest {
   std::vector<bool> has_area{};         // triangles with area in space
   VertexJoins joins{};                  // of its vertices; empty in a part
   std::vector<std::uint32_t> equal{};   // of each vertex the first that is equal to the bit; empty in a part
-  // Of triangles whose uv area is more than single precision rounds their uvs by: vertices that some share
-  // whose uvs wind differently, and vertices that any has.
+  // Among triangles whose uv area exceeds what rounding their uvs to single precision makes: vertices shared
+  // by some whose uvs wind differently, and vertices that any of them uses.
   std::vector<bool> across_mirror{};
   std::vector<bool> has_uv_area{};
   MikktspaceReference
-      mikktspace{};  // empty where it is not asked for, or tangents, normals, uvs or triangles lack
+      mikktspace{};  // empty where it is not asked for, or there are no tangents, normals, uvs or triangles
   std::vector<Truth>
       local{};  // at each vertex; empty where it is not asked for or there are no uvs and no normals
   MeshClasses classes{};

@@ -45,8 +45,8 @@ struct EqualBits {
   std::size_t more() const { return std::max(raw, gltf); }
 };
 
-// Which MikkTSpace: that whose edges are all sorted is made only where the original is nearly what is stored.
-// \param near corners within a few roundings
+// Which variant of MikkTSpace: the one that sorts all edges is run only where the original nearly gives what
+// is stored. \param near corners within a few roundings
 MikkVariant variant(const Mesh& mesh, std::span<const std::uint32_t> corners_of, std::size_t equal,
                     std::size_t near, int threads) {
   const std::size_t corners = mesh.corners();

@@ -10,9 +10,9 @@
 
 namespace darboux {
 
-// MikkTSpace's tangent and raw sign of each corner, w = 0 where nothing serves it or what MikkTSpace gives is
-// no direction: zero, infinite, NaN. Nearly all corners of a vertex have the same: it is kept once, and the
-// others are listed.
+// MikkTSpace's tangent and raw sign of each corner, w = 0 where no triangle serves it or MikkTSpace's result
+// is no direction: zero, infinite, NaN. Nearly all corners of a vertex have the same: it is kept once, and
+// the others are listed.
 class MikktspaceReference {
  public:
   struct Other {
@@ -26,7 +26,7 @@ class MikktspaceReference {
   MikktspaceReference(const Mesh& mesh, std::span<const Vec4<float>> of_corner);
 
   bool empty() const { return of_vertex_.empty(); }
-  // Of all corners of the vertex but the others, if any; w = 0 at vertices that no triangle uses.
+  // That of all corners of the vertex except those in others(); w = 0 at vertices that no triangle uses.
   const Vec4<float>& of_vertex(std::uint32_t vertex) const { return of_vertex_[vertex]; }
   std::span<const Other> others() const { return others_; }  // corners in ascending order
   // \param vertex that of the corner

@@ -21,7 +21,7 @@ using Normals = std::vector<Vec3<double>>;
 
 constexpr double average_deg = 1;   // from a common average of triangles' normals
 constexpr double tolerance = 1e-3;  // the sine of how far outside the cone rounding may leave a normal
-// Of normals each three are looked at: where many meet at a tip, then of those that are apart.
+// All triples of normals are tried: where many meet at a tip, only those of normals that are apart.
 constexpr std::size_t many = 40, most_normals = 100;
 // Cosines: of 0.08 degrees, of 5 degrees, and 0.8 degrees from -1.
 constexpr double alike = 1 - 1e-6, near = 0.9962, opposite = -1 + 1e-4;
@@ -43,8 +43,8 @@ bool is_in_cone(const Vec3<double>& n, const Vec3<double>& a, const Vec3<double>
          });
 }
 
-// A point of a cone lies in that of three of its directions, or on the arc of two, by Caratheodory. Of a
-// sheet with a back the cone is everything, and tells nothing.
+// By Caratheodory's theorem a direction in a cone lies in the cone of three of those that span it, or on the
+// arc of two. For a sheet with a back the cone is everything, and tells nothing.
 bool is_in_cone(const Vec3<double>& n, const Normals& of) {
   for (std::size_t i = 0; i < of.size(); ++i)
     for (std::size_t j = i + 1; j < of.size(); ++j)
@@ -59,9 +59,9 @@ bool is_in_cone(const Vec3<double>& n, const Normals& of) {
 }
 
 // Whether the normals of vertices that are asked about lie in the cone of their own triangles' normals:
-// whether they are an average of these with positive weights, whatever these are. Blender weighs a quad's
-// normal by its angle, which no weights of its two triangles do. At sharp ridges an average may be far from
-// each of the triangles; a normal that was turned is none.
+// whether they are averages of these with positive weights of any kind. Blender weights a quad's normal by
+// its angle, which no weights of its two triangles do. At sharp ridges an average may be far from each of the
+// triangles; a normal that was turned is no average.
 std::vector<bool> lie_in_normal_cones(const Mesh& mesh, const VertexJoins& joins,
                                       const std::vector<bool>& vertices) {
   struct Group {

@@ -35,7 +35,7 @@ class Signs {
 
  private:
   void count();
-  // Triangles take no part that have no area in space, or in uv none beyond what single precision rounds:
+  // Triangles do not count if they have no area in space, or none in uv beyond single-precision rounding:
   // nothing is seen of them.
   bool counts(std::uint32_t t) const;
   bool counts(std::uint32_t t, std::uint32_t v) const;

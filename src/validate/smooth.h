@@ -4,8 +4,8 @@
 // a finer model are meant so. So what is farther from the polynomial through the neighbours than three times
 // the limit, and than three standard deviations, is worth a look, a warning, never an error; nothing is said
 // against a tangent within the cone of its own triangles, nor against a normal that is an average of theirs.
-// Where no surface is known it may speak for a tangent, too: triangles of a coarse mesh are chords, and an
-// exact tangent may leave their cone. From what evidence: local_truth() at each vertex.
+// Where no surface is known it may also excuse a tangent: triangles of a coarse mesh are chords, and an exact
+// tangent may lie outside their cone. From what evidence: local_truth() at each vertex.
 #pragma once
 
 #include <span>

@@ -58,7 +58,7 @@ class Planes {
   double scale_;
 };
 
-// Which candidates have a neighbour that turns by more and has other normals at the edge they share.
+// Keeps the candidates that have a neighbour in another plane, with other normals at the edge they share.
 void keep_faceted(const Mesh& mesh, const std::vector<bool>& has_area, const VertexJoins& joins,
                   const Planes& planes, std::vector<bool>& candidates) {
   // Only what touches a candidate is looked at.
@@ -126,9 +126,9 @@ std::vector<bool> backs_of_sheets(const Mesh& mesh, const std::vector<bool>& has
   return result;
 }
 
-// Vertices at the borders of what lies back to back, which has no border of its own: at edges that have one
-// triangle beside those that lie on another's back, or two that are folded onto each other, halves of one
-// quad that is cut along both diagonals. Sides with more corners that are cut in two ways are not seen.
+// Vertices at the borders of sheets that lie back to back, which have no border of their own: at edges that
+// have one triangle, not counting those on another's back, or two that are folded onto each other, halves of
+// one quad that is cut along both diagonals. Larger polygons that are cut in two ways are not found.
 std::vector<bool> borders_of_sheets(const Mesh& mesh, const std::vector<bool>& has_area, const Planes& planes,
                                     const std::vector<std::uint32_t>& place) {
   static const double folded = -std::cos(15 / degrees_per_radian);
@@ -161,7 +161,7 @@ std::vector<bool> borders_of_sheets(const Mesh& mesh, const std::vector<bool>& h
              return std::binary_search(triangles.begin(), triangles.end(), sorted({a.third, b.third, end}));
            });
   };
-  // A mesh of no backs has borders of its own.
+  // A mesh without backs has borders of its own.
   const bool any_back = std::find(back.begin(), back.end(), true) != back.end();
   for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
     while (end < edges.size() && edges[end].ends == edges[i].ends) ++end;
@@ -172,14 +172,14 @@ std::vector<bool> borders_of_sheets(const Mesh& mesh, const std::vector<bool>& h
   return result;
 }
 
-// Triangles with vertices asked about, of a shell that was turned inside out around the same mesh, as toon
-// outlines are: those that oppose their normals, and that another is near which does not, with the same
-// normals and uvs in the opposite order. On the whole they lie outside of these, or at their places: an inner
-// wall does not, nor does a copy that was moved.
+// Triangles with vertices asked about that belong to a shell turned inside out around the same mesh, as toon
+// outlines do. They oppose their normals, and near each is a triangle that does not, with the same normals
+// and uvs in the opposite order. On the whole they lie outside these, or coincide with them: an inner wall
+// does not, nor does a copy that was moved.
 std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& has_area,
                                    const std::vector<bool>& opposes, const std::vector<bool>& asked) {
   constexpr double near = 0.1;  // of the mesh's size
-  // Of the longest edge, where the normals are one: the next tile of a floor is farther.
+  // Of the longest edge, where the three normals are equal: the next tile of a floor is farther away.
   constexpr double near_flat = 0.5;
   constexpr std::ptrdiff_t most_tried = 1024;
   constexpr double outwards = 0.1;       // of the way from one to the other, on average
@@ -336,8 +336,8 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
     if (!has_area[t]) continue;
     const Plane plane = planes(t);
     int opposing = 0;
-    // How far from the plane's normal is its own. The cosine's square is no less than 1 - own², and nearly
-    // always that tells.
+    // How far from the plane's normal a normal may be to count as its own. The cosine's square is then no
+    // less than 1 - own², and nearly always that decides.
     const double own = std::min(faceted_deg / degrees_per_radian + plane.uncertain + rounding, 1.0);
     bool candidate = plane.uncertain < 1;
     for (const std::uint32_t v : mesh.triangles[t]) {

@@ -3,8 +3,8 @@
 // What it may claim. Numbers that are not finite, tangents that are zero where the uvs have area, lengths
 // beyond what rounding explains, signs other than +1 and -1 or that differ within a uv island, tangents along
 // the normal, normals far from every triangle at the vertex and from their averages: no reader can use these,
-// so they are errors, but for such normals at borders of unknown surfaces, where they may be meant. From what
-// evidence: the stored numbers, their rounding (Mesh::half_steps), and the triangles' own planes.
+// so they are errors. Only such normals at borders of unknown surfaces are not: they may be deliberate. From
+// what evidence: the stored numbers, their rounding (Mesh::half_steps), and the triangles' own planes.
 #pragma once
 
 #include <cstdint>
@@ -42,8 +42,8 @@ struct NormalChecks {
                                   // shares it, no common average of these, and not on a hull turned inside
                                   // out around the same mesh
   std::vector<bool> sheet_border;  // at the borders of triangles that lie back to back, as of leaves on cards
-  // As surely as positions tell, on the whole: -1: the triangles that share it lie on the other side; 1: they
-  // do not, and one is within 80 degrees; 0: neither.
+  // As far as positions tell for certain: -1: most triangles that share it lie on the other side; 1: they do
+  // not, and one is within 80 degrees; 0: neither.
   std::vector<signed char> side;
   std::vector<bool> drawn;  // vertices of a triangle whose area does not vanish; others are not seen
   std::vector<bool>

@@ -232,7 +232,7 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
   if (accurate_.known()) {
     const Claim claim = accurate_.tangent(v);
     if (claim == Claim::within) return Decider::nobody;
-    // Of a vertex of triangles that vanish alone nothing is seen.
+    // Nothing is seen of a vertex whose triangles all vanish.
     if (!accurate_.declared() && !mesh_.normals.empty() && !under_test_.normals.drawn[v])
       return Decider::nobody;
     // At a seam every tool sees triangles on one side only: with few columns its tangents are far from the
@@ -246,14 +246,15 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
   return outside && !may_be_exact(v) ? Decider::triangles : Decider::nobody;
 }
 
-// One mistake of all tangents, or one turn, is no matter of coarse triangles.
+// One mistake of all tangents, or one turn, is not due to coarse triangles.
 bool MeshValidation::may_be_exact(std::uint32_t v) const {
   return smooth_.known() && smooth_.may_be_exact[v] && !tangents_diagnosed_ && !under_test_.cones.turn();
 }
 
 bool MeshValidation::normal_error(std::uint32_t v) const {
   const bool unsupported = is_unsupported(v) && !may_be_lit_otherwise(v);
-  // Of a plane either side may be out, so that it has nothing to say for a normal against its own triangles.
+  // Either side of a plane may be its outside, so it cannot excuse a normal that its own triangles do not
+  // support.
   const bool within = accurate_.known() && accurate_.has_sides() && accurate_.normal(v) == Claim::within;
   if (unsupported && !within) return true;
   return accurate_.known() && accurate_.normal(v) == Claim::beyond &&
@@ -270,8 +271,8 @@ Code MeshValidation::error_of(const CornerGroup& group) const {
     if (!c.tangent_finite) return tangent_not_finite;
     if (c.tangent_zero && under_test_.has_uv_area[v]) return tangent_zero;
     if (!c.tangent_zero && !c.tangent_unit) return tangent_not_unit;
-    // Of a zero w nothing is seen where there is no uv area: FBX and Collada, whose bitangents are zero
-    // there, have no side.
+    // A zero w has no effect where there is no uv area: the bitangents of FBX and COLLADA are zero there and
+    // give no sign.
     if (!c.tangent_zero && !c.sign_valid && (!is_unseen(v) || mesh_.tangents[v].w != 0))
       return tangent_invalid_sign;
     if (c.along_normal && !is_unseen(v)) return tangent_not_orthogonal;
@@ -562,7 +563,7 @@ void MeshValidation::diagnose() {
   const double near = 0.99 * std::sin(std::fmin(options_.max_angle_deg, 90) / degrees_per_radian);
   for (std::uint32_t v = 0; v < truth.size(); ++v) {
     const Vec3<double>&t = truth[v].tangent, &b = truth[v].bitangent;
-    // The cosine tells of nearly all that they are not far from a right angle.
+    // For nearly all of them the cosine shows that they are near a right angle.
     if (dot(t, b) * dot(t, b) < near * near * dot(t, t) * dot(b, b)) continue;
     if (is_pole(v) || !known(truth[v])) continue;
     const double off = std::fabs(90 - degrees_per_radian * angle_between(t, b));
@@ -598,7 +599,7 @@ void MeshValidation::diagnose() {
     const Truth& t = truth[mesh_.triangles[c / 3][c % 3]];
     return Directions{t.tangent, t.bitangent};
   };
-  // What MikkTSpace makes of the same triangles is surer than what their neighbours tell.
+  // MikkTSpace's tangents of the same triangles are more certain than what their neighbours tell.
   const bool known_tangents =
       accurate_.known() &&
       std::any_of(truth.begin(), truth.end(), [](const Truth& t) { return std::isfinite(t.tangent_deg); });

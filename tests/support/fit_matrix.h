@@ -214,8 +214,8 @@ inline Run run_of(const Cell& cell, std::uint64_t number, const Asked& asked = {
   if (fit.usable) {
     run.mahalanobis = mahalanobis_per_parameter(points, *fit.surface);
     const Outliers& o = outliers[cell.outliers];
-    // Of two surfaces with as many points each either is right, where one by name may be both: a fit is
-    // judged by the nearer.
+    // Where two surfaces have as many points each and the named kind may be either, either is right: the fit
+    // is judged by the nearer one.
     if (o.pattern == OutlierPattern::second_surface && o.share >= 0.5 &&
         (kind == "sphere" || kind == "ellipsoid")) {
       SyntheticPoints second = with_second_as_truth(points, kind);
@@ -285,7 +285,7 @@ struct Tally {
     if (run.largest_bound < 0.1) hits[1].add(run.usable);
     const std::string& kind = std::string(kinds[cell.kind]);
     if (run.automatic) hits[7].add(!run.found.empty());
-    // On a second surface, a sphere, either is right at half of the points.
+    // Where half of the points lie on a second surface, a sphere, either is right.
     if (!run.found.empty()) {
       const bool second = outliers[cell.outliers].pattern == OutlierPattern::second_surface &&
                           outliers[cell.outliers].share >= 0.5 && run.found == "sphere";

@@ -1,6 +1,6 @@
 /// \file generated_gltf.h
-/// A glTF with all that rewriting meshes must get through: morph targets, quantised and sparse and
-/// interleaved and shared accessors, a skin, an animation, a mirror fold inside vertices.
+/// A glTF with everything that rewriting meshes must cope with: morph targets; quantised, sparse, interleaved
+/// and shared accessors; a skin; an animation; a mirror fold at vertices.
 #pragma once
 
 #include "io_files.h"

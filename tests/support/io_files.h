@@ -1,6 +1,7 @@
 /// \file io_files.h
 /// What the tests of the file formats share: a folder of their own, and glTF files made by hand. Compiled
-/// once, in io_files.cpp: each use of the JSON library takes seconds of every test that reads it.
+/// once, in io_files.cpp: each use of the JSON library adds seconds to the build of every test that includes
+/// it.
 #pragma once
 
 #include <cstdint>

@@ -18,7 +18,7 @@ struct NamedPiece {
   MapPiece piece;
 };
 
-/// Both halves of a mirrored mesh side by side in the map: that whose uvs wind the other way at u + 1/2.
+/// Puts the halves of a mirrored mesh side by side: the one whose uvs wind the other way goes to u + 1/2.
 inline void move_halves_apart(Mesh& mesh) {
   std::vector<bool> moved(mesh.uvs.size(), false);
   for (const Triangle& t : mesh.triangles) {
@@ -36,8 +36,8 @@ inline Mesh halves_apart(const AnySurface& surface, SampleMeshOptions options) {
   return mesh;
 }
 
-/// Sphere, torus, sheared, jittered and mirrored ones, with exact tangents at the corners, and one with any;
-/// two whose maps are scaled.
+/// A sphere, a torus, sheared, jittered and mirrored ones, with exact tangents at the corners, and one mesh
+/// with arbitrary tangents; two whose maps are scaled.
 inline std::vector<NamedPiece> map_meshes() {
   const AnySurface torus = make_surface("torus:major_radius=1,minor_radius=0.4"),
                    sphere = make_surface("sphere");

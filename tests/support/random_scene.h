@@ -1,4 +1,4 @@
-// Cameras among surfaces of all kinds, anyhow.
+// Random scenes: cameras among surfaces of all kinds.
 #pragma once
 
 #include <cmath>
@@ -40,7 +40,7 @@ inline Camera random_camera(Random& random) {
   return camera;
 }
 
-// Some of every surface of the catalogue, anyhow.
+// Some of every surface of the catalogue, placed at random.
 inline Scene random_scene(Random& random, std::size_t instances) {
   Scene scene;
   scene.surfaces = all_surfaces();

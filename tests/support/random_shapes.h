@@ -1,5 +1,5 @@
 /// \file random_shapes.h
-/// Meshes that are no surface of the catalogue, and meshes that are one, as people have them: for what
+/// Meshes like those that people have, some of them surfaces of the catalogue and some not: they test what
 /// recognition claims.
 #pragma once
 
@@ -374,7 +374,7 @@ inline void add_dome(Mesh& mesh, int sides, int rows) {
 
 // ---- ways to store one mesh -------------------------------------------------------------------------------
 
-// The first vertex at each vertex's place.
+// For each vertex, the first one at its position.
 inline std::vector<std::uint32_t> places_of(const Mesh& mesh) {
   std::map<std::array<long long, 3>, std::uint32_t> first;
   std::vector<std::uint32_t> result;
@@ -386,7 +386,8 @@ inline std::vector<std::uint32_t> places_of(const Mesh& mesh) {
   return result;
 }
 
-// With the normals of one vertex at each place, weighted by angle: shaded smooth.
+// With the normals of a mesh that has one vertex at each position, weighted by angle unless told otherwise:
+// shaded smooth.
 inline Mesh with_averaged_normals(Mesh mesh, NormalWeight weight = NormalWeight::angle) {
   const std::vector<std::uint32_t> place = places_of(mesh);
   Mesh joined;
@@ -400,7 +401,7 @@ inline Mesh with_averaged_normals(Mesh mesh, NormalWeight weight = NormalWeight:
   return mesh;
 }
 
-// One vertex at each place, without uvs; triangles without area are left out.
+// One vertex at each position, without uvs; triangles without area are left out.
 inline Mesh welded(const Mesh& mesh) {
   const std::vector<std::uint32_t> place = places_of(mesh);
   std::vector<std::uint32_t> number(mesh.positions.size(), 0);

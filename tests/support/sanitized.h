@@ -7,6 +7,6 @@
 
 #include "base/sanitized.h"
 
-/// Skips the rest of a test under a sanitizer, aloud. \param why it cannot hold there
+/// Skips the rest of a test under a sanitizer, with a message. \param why it cannot hold there
 #define DARBOUX_SKIP_IF_SANITIZED(why) \
   if (darboux::sanitized) GTEST_SKIP() << "under a sanitizer " << why

@@ -1,6 +1,6 @@
 /// \file second_normal_map.h
-/// A second implementation of normal maps, texel by texel and without a care for time: whether a triangle
-/// covers a texel in rational numbers, weights and inverses by Eigen's solvers, in another order.
+/// A second implementation of normal maps, texel by texel and with no regard for speed: rational numbers
+/// decide whether a triangle covers a texel, Eigen's solvers give weights and inverses, in another order.
 #pragma once
 
 #include <array>

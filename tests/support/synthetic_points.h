@@ -139,9 +139,9 @@ Eigen::MatrixXd unit_information(const SyntheticPoints& points);
 // The 24 turns of a cube.
 std::vector<Eigen::Matrix3d> cube_turns();
 
-// A fitted surface of the same kind in the minimal parameters. Of what is the same surface the nearest to the
-// truth is taken: either sign of an axis, any order and signs of an ellipsoid's axes. Infinite where they
-// cannot express it.
+// A fitted surface of the same kind in the minimal parameters. Where several descriptions are the same
+// surface, the nearest to the truth is taken: either sign of an axis, any order and signs of an ellipsoid's
+// axes. Infinite where the parameters cannot express it.
 Eigen::VectorXd parameter_error(const SyntheticPoints& points, const PlacedSurface& fit);
 
 // e^T I e / n with e the error of the fit in the minimal parameters and I the information of the true inliers

@@ -13,8 +13,8 @@
 namespace darboux::fit::catalogue {
 namespace {
 
-// What more the whole patch would tell than the points do, its name; empty where it is nothing: symmetries,
-// and lengths that only bound the patch.
+// The name of what points over the whole patch would identify but these points do not; empty where there is
+// nothing. Symmetries, and lengths that only bound the patch, do not count.
 std::string unidentifiable_parameter(const Shape& shape, const ReducedNormalEquations& known,
                                      const Eigen::VectorXd& units, double size) {
   constexpr int grid = 17;

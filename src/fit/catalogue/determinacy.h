@@ -15,9 +15,8 @@ namespace darboux::fit::catalogue {
 ReducedNormalEquations information(const Estimate& e, const Positions& points, const Eigen::VectorXd& units,
                                    double size);
 
-// Gives the fit the covariance at this noise over the size, which is known to some degrees of freedom,
-// standard errors and intervals. Returns what was held, ";
-// ..." each.
+// Gives the fit the covariance at this noise over the size, known to some degrees of freedom, and standard
+// errors and intervals. Returns what was held, each as "; ...".
 std::string add_covariance(const Estimate& e, const ReducedNormalEquations& known,
                            const Eigen::VectorXd& units, double noise, double degrees_of_freedom,
                            PointFit& fit);
@@ -28,8 +27,8 @@ std::string add_covariance(const Estimate& e, const ReducedNormalEquations& know
 bool enclose(Estimate& e, const ReducedNormalEquations& known, const Positions& inliers,
              const std::vector<Vec2<double>>& feet, double size);
 
-// Why the points do not determine the surface that was found, going on after "the best ... found"; empty
-// where it is.
+// Why the points do not determine the surface that was found, to follow "the best ... found"; empty where
+// they do.
 std::string against(const Estimate& e, const PointFit& fit, const ReducedNormalEquations& known,
                     const Eigen::VectorXd& units, const std::vector<bool>& lengths, double size);
 

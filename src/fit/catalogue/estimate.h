@@ -10,7 +10,7 @@
 namespace darboux::fit::catalogue {
 
 struct Weighted {
-  std::vector<double> weight, bias;  // 0 <= weight; the mean distance that noise makes of none
+  std::vector<double> weight, bias;  // 0 <= weight; the mean distance that noise gives inliers
 };
 
 struct Estimate {

@@ -19,9 +19,8 @@ namespace darboux {
 // - the next Newton step is below a thousandth of the standard errors
 // - at least half of the points are inliers, and their rms is at most a twentieth of their extent
 // - a plane explains them clearly worse
-// - the lengths that make the surface one of its kind are 1e-3 to 1e3 of the points' size, with standard
-// errors
-//   below half of them
+// - the lengths that make the surface one of its kind are 1e-3 to 1e3 of the points' size, and their standard
+//   errors are below half of them
 // - whatever points over the whole patch would identify, these points identify too
 //
 // Throws ParameterError for a kind that is unknown or without such parameters, and as check_arguments() does.

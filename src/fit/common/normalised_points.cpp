@@ -101,8 +101,8 @@ class StoredDigits {
     std::sort(result.rbegin(), result.rend());
     return result;
   }
-  // 0: more than are written on purpose, or fewer digits tell the numbers, of which small ones have more
-  // decimals.
+  // The decimals of the numbers. 0 where there are more than are written on purpose, or where a number of
+  // digits describes them better, small ones having more decimals.
   int decimals() const {
     const bool are_digits = digits_ <= most && decimals_ > digits_ - std::floor(std::log10(largest_));
     return decimals_ <= last_told() && !are_digits ? decimals_ : 0;

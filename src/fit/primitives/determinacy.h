@@ -55,7 +55,7 @@ double noise_and_rounding(const PrimitiveFit& fit);
 bool explains_enough(const PrimitiveFit& fit);
 
 // Whether two fits of one primitive are one surface: lengths and axes within six standard errors. Equal ones
-// at different places are one hypothesis: that with more points is taken.
+// at different places are one hypothesis: the likelier one is taken.
 bool are_same(const PrimitiveFit& a, const PrimitiveFit& b);
 
 // "(0.6, 0, 0.8)", the same for a direction and its opposite.

@@ -34,9 +34,9 @@ GeometricParameters guess_of(const PlacedSurface& placed, const Primitive& primi
   return primitive.from_catalogue(n);
 }
 
-// In log likelihood, over part of the points: a kind so far behind is not refined, odds of exp(300), and far
-// more when all are counted; a surface with so much more than none is one; a kind so far behind that is not
-// looked for again.
+// Log likelihoods over part of the points. A kind so far behind the likeliest is not refined: odds of
+// exp(300), far more when all points count. A surface so much likelier than none is taken for found. A kind
+// so far behind such a surface is not looked for again.
 constexpr double far_likelier = 300, evident = 300, hopeless = 100;
 // Of the points' size: where a search may end whose surface meets them exactly.
 constexpr double nearly_exact = 1e-9;
@@ -82,8 +82,8 @@ class PrimitivesFit {
     return !automatic() || !primitive.crosses_itself || !primitive.crosses_itself(surface);
   }
 
-  // On a small patch or a thin strip searches that know surfaces which are like others look for those like
-  // their own best one, and like the best of all.
+  // On a small patch or a thin strip, searches that know lookalikes of a surface try those of their own best
+  // one and of the best of all.
   static void try_lookalikes(const OrientedPoints& points, std::vector<Search>& searches) {
     const auto worse = [](const Search& a, const Search& b) {
       return std::pair(a.has_surface(), a.log_likelihood_ratio()) <
@@ -192,7 +192,7 @@ class PrimitivesFit {
     Selection selection = select(tried, points_.scale);
     const PrimitiveFit& best = tried[selection.order.front()];
     for (const std::size_t i : selection.order) {
-      // Of another kind than the first the best one.
+      // Of each kind but the first, only the best one is listed.
       const std::string name(tried[i].primitive->name);
       if (tried[i].primitive != best.primitive &&
           std::any_of(fit_.candidates.begin(), fit_.candidates.end(),
@@ -203,7 +203,7 @@ class PrimitivesFit {
     }
     const std::vector<bool> is_inlier = inliers_of(best);
     const NoiseKnowledge noise = report_points(best, points_, is_inlier, options_.noise.has_value(), fit_);
-    // Where two surfaces are as likely, but neither is the points', that they are not comes first.
+    // Where two surfaces are equally likely but neither is the points', the latter is what is reported.
     const bool are_alike = (selection.usable || selection.has_rival) &&
                            best.sigma > points_.stored_rounding() &&
                            neighbours_are_alike(points_.cloud, best, is_inlier);

@@ -118,7 +118,7 @@ OrientedPoints with_estimated_normals(const Matrix3Xd& cloud, bool outliers, std
   LocalPlane plane;
   for (Eigen::Index i = 0; i < m; ++i) {
     const Vec3<double>& at = chosen[static_cast<std::size_t>(i * n / m)];
-    // More of them where all are of one row of a grid.
+    // More neighbours where all lie in one row of a grid.
     for (std::size_t count = fewest; count <= most; count *= 3) {
       nearest.resize(count);
       squares.resize(count);

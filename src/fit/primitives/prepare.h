@@ -12,10 +12,10 @@ struct OrientedPoints {
   Eigen::Matrix3Xd points, normals;
 };
 
-// Points of the cloud with a normal each. Their own where there are any (as many columns as the cloud, of any
-// length, zero or not finite for none); else from the principal axes of their neighbours, or of those near
-// one plane, of the two thirds whose neighbourhood is flattest, so that few of them are outliers (all where
-// there are no more than 20).
+// Points of the cloud with a normal each. The stored normals where there are any: as many columns as the
+// cloud, of any length, zero or not finite for none. Else from the principal axes of their neighbours, or of
+// those neighbours that are near one plane. Of these the two thirds with the flattest neighbourhoods are
+// kept, so that few are outliers; all where there are no more than 20.
 OrientedPoints oriented_points(const Eigen::Matrix3Xd& cloud, const Eigen::Matrix3Xd& normals, bool outliers,
                                std::mt19937_64& random);
 

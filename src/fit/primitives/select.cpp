@@ -36,14 +36,15 @@ double price(const PrimitiveFit& footing) {
       1.0, static_cast<double>(std::count(footing.in_support.begin(), footing.in_support.end(), 1))));
 }
 
-// By how much `a` is better than `b`, on either one's footing: by how much at least, and at most. Each chose
-// its own support, and fits the outliers in it.
+// By how much `a` is better than `b`, at least and at most: on the footing of the one and of the other. Each
+// chose its own support, and fits the outliers in it.
 std::pair<double, double> advantage(const PrimitiveFit& a, const PrimitiveFit& b) {
   return std::minmax(deviance(b, a) - deviance(a, a), deviance(b, b) - deviance(a, b));
 }
 
-// Whether the points that both take for inliers speak for `a`. A surface that is bent towards outliers beside
-// a strip of points takes more of them for inliers, by which it is likelier, but not nearer to the others.
+// Whether the points that both take for inliers speak for `a`, or it has a tenth more inliers. A surface that
+// is bent towards outliers beside a strip of points takes some more of them for inliers. That makes it
+// likelier, but no nearer to the other points.
 bool is_told_by_inliers(const PrimitiveFit& a, const PrimitiveFit& b) {
   constexpr double many_more = 0.1;
   const std::vector<bool> in_a = inliers_of(a), in_b = inliers_of(b);
@@ -211,7 +212,6 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
       const PrimitiveFit &a = tried[first ? best : i], &b = tried[first ? i : best];
       return Choice{best, false, has_rival, "undetermined: " + either(a, b, scale) + why};
     };
-    // Better, but it is no surface that could be given.
     const PrimitiveFit &chosen = tried[best], &other = tried[i];
     const std::string help = std::string("; points over a larger part of it or less noise help") +
                              (chosen.primitive == other.primitive ? "" : ", or naming the kind");
@@ -224,14 +224,15 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
       continue;
     auto [least, most] = advantage(chosen, other);
     if (is_unproven) least = deviance(other, chosen) - deviance(chosen, chosen);
+    // Better, but it is no surface that could be given.
     if (!is_unproven &&
         most + price(chosen) * (other.primitive->unknowns - chosen.primitive->unknowns) < -margin)
       return undetermined(false, ": the points speak for " + with_article(tried[i].primitive->name) +
                                      ", which " + determinacies[i].why);
     if (!nested) {
-      // Every kind becomes a plane; what the points allow is seen by sphere and cylinder. None is a kind that
-      // explains too few of the points to be the answer, or has far more noise and is far less
-      // likely even with that: on its footing the chosen one hardly counts.
+      // Every kind has the plane as a limit; sphere and cylinder show what the points allow. A kind is no
+      // rival if it explains too few of the points to be the answer, or has far more noise and is far less
+      // likely even so: on its footing the chosen one's lead hardly counts.
       constexpr double far_less_likely = 100;
       const bool is_none =
           other.primitive != chosen.primitive &&
