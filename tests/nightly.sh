@@ -25,13 +25,12 @@ build() {  # build PRESET TARGET ...
 }
 address() { build asan all && ctest --preset asan -j 2; }
 threads() {
-  build tsan base_parallel_jobs_test evaluate_batch_test mesh_mikktspace_ways_test mesh_mesh_frames_test darboux_tool || return 1
+  build tsan base_tests evaluate_tests mesh_tests darboux_tool || return 1
   export TSAN_OPTIONS="suppressions=$PWD/tests/thread_sanitizer.txt halt_on_error=1 second_deadlock_stack=1"
   local bin=$PWD/build/tsan/bin data=$PWD/tests/data work
   work=$(mktemp -d) || return 1
-  for test in base_parallel_jobs_test evaluate_batch_test mesh_mikktspace_ways_test mesh_mesh_frames_test; do
-    "$bin/$test" || return 1
-  done
+  "$bin/base_tests" --gtest_filter='ParallelJobs.*' && "$bin/evaluate_tests" &&
+    "$bin/mesh_tests" --gtest_filter='MikkTSpace.*:MeshFrames.*:FrameMethods.*:Fragment*' || return 1
   (
     cd "$work" || exit 1
     "$bin/darboux" eval torus --grid 300x300 --format f64 --threads 4 >o.f64 &&
@@ -54,12 +53,12 @@ mutants() {
     echo "$target: $(build/release/bin/fuzz_$target "tests/fuzz/corpus/${target%_decoders}" "${MUTANTS:-100000}")" || return 1
   done
 }
-kills() { build release cli_kills_test && DARBOUX_KILLS=500 build/release/bin/cli_kills_test --gtest_filter='*NoOutputIsBroken*'; }
+kills() { build release cli_tests && DARBOUX_KILLS=500 build/release/bin/cli_tests --gtest_filter='Kills.NoOutputIsBroken*'; }
 faults() (
-  test=build/release/bin/cli_faults_test
+  test=build/release/bin/cli_tests
   export DARBOUX_FAULTS_LEAKS=1
-  build release cli_faults_test && DARBOUX_FAULTS=60 "$test" --gtest_filter='-*OwnCode*' &&
-    DARBOUX_FAULTS=1000000 "$test" --gtest_filter='*OwnCode*'
+  build release cli_tests && DARBOUX_FAULTS=60 "$test" --gtest_filter='Faults.*-*OwnCode*' &&
+    DARBOUX_FAULTS=1000000 "$test" --gtest_filter='Faults.*OwnCode*'
 )
 determinism() {
   build release darboux_tool && build debug darboux_tool && build clang darboux_tool &&

@@ -225,7 +225,7 @@ TEST(DeclaredSurfaces, EveryReferenceMeshPasses) {
 
 // Wherever the mesh lies, and with a placement that is given.
 TEST(DeclaredSurfaces, AnyPlacement) {
-  test::Random random(1);
+  std::mt19937_64 random(1);
   for (const AnySurface& surface : all_surfaces()) {
     Mesh mesh = sample_mesh(surface, {});
     const Eigen::Isometry3d pose = random_pose(random, 3);

@@ -22,7 +22,7 @@ Mesh rounded_to_float(Mesh mesh) {
 // (|p|² + R² - r²)² = 4 R² (x² + y²) has no other terms, and keeps its form in any position.
 TEST(RecogniseShape, EveryTorusIsACyclide) {
   std::cout << "seed " << seed << '\n';
-  test::Random random(seed);
+  std::mt19937_64 random(seed);
   for (int i = 0; i < 300; ++i) {
     const double minor = test::uniform(random, 0.05, 1.5), u = test::uniform(random, 0.1, 1),
                  v = test::uniform(random, 0, 0.9);

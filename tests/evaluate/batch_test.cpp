@@ -290,7 +290,7 @@ Subject<T> subject(const X& standard) {
           [surface](const Points<T>& points, const Outputs<T>& outputs, const EvaluateOptions& options) {
             return evaluate(surface, points, outputs, options);
           },
-          [surface](T u, T v) { return test::truth(surface, u, v); }};
+          [surface](T u, T v) { return batch_test::truth(surface, u, v); }};
 }
 
 // Every instruction set, layout and way of storing, for the first n of the points.

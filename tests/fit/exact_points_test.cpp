@@ -36,7 +36,7 @@ TEST(ExactPoints, DigitsAreTold) {
   for (const char* format : {"%.6g", "%.7g", "%.10g", "%.12g", "%.3f", "%.9f", "%.12f"})
     for (const std::size_t n : {40, 400, 2000})
       for (std::uint64_t seed = 0; seed < 10; ++seed) {
-        Random random(seed);
+        PortableRandom random(seed);
         PointCloud cloud;
         double largest = 0;
         for (std::size_t i = 0; i < n; ++i) {
@@ -55,7 +55,7 @@ TEST(ExactPoints, DigitsAreTold) {
 }
 TEST(ExactPoints, DoublesHaveNoDigits) {
   std::cout << "seed 249\n";
-  Random random(249);
+  PortableRandom random(249);
   for (const double far : {0.0, 1.0, 1000.0, 1e4, 1e6}) {
     PointCloud cloud;
     for (int i = 0; i < 200; ++i)
@@ -66,7 +66,7 @@ TEST(ExactPoints, DoublesHaveNoDigits) {
 
 // Of numbers in so many digits small ones err less: larger ones were outliers, or the fit did not converge.
 TEST(ExactPoints, DigitsOfDoublesAreNoOutliers) {
-  Random random(247);
+  PortableRandom random(247);
   std::cout << "seed 247\n";
   for (const char* format : {"%.9g", "%.10g", "%.12g", "%.9f", "%.12f"})
     for (int repeat = 0; repeat < 5; ++repeat) {
@@ -100,7 +100,7 @@ TEST(ExactPoints, DigitsOfDoublesAreNoOutliers) {
 
 // Searches of other kinds end nearer to points that are exact: a sphere that is not refined was an ellipsoid.
 TEST(ExactPoints, ExactSpheresAmongOutliersAreNoEllipsoids) {
-  Random random(248);
+  PortableRandom random(248);
   std::cout << "seed 248\n";
   for (int repeat = 0; repeat < 12; ++repeat) {
     const double scale = std::pow(10, random.uniform(-3, 3)), top = random.uniform(0.6, 2);

@@ -204,7 +204,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, FitMatrix, testing::ValuesIn(matrix::kinds),
 TEST(FitStrips, AnEllipsoidDoesNotEndTheSearchForATorus) {
   int wrong = 0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    Random random(seed);
+    PortableRandom random(seed);
     PointCloud cloud;
     for (int i = 0; i < 800; ++i) {
       const double u = std::numbers::pi * random.uniform(), v = random.uniform(-1, 1);

@@ -44,7 +44,7 @@ double standard_error(const PointFit& fit, std::string_view name) {
 
 template <class F>
 PointCloud cloud_of(std::size_t n, std::uint64_t seed, F point) {
-  Random random(seed);
+  PortableRandom random(seed);
   PointCloud cloud;
   for (std::size_t i = 0; i < n; ++i) cloud.positions.push_back(from_eigen(Eigen::Vector3d(point(random))));
   return cloud;
@@ -58,7 +58,7 @@ PointCloud moved(const PointCloud& cloud, const Eigen::Matrix3d& turn, double sc
   return result;
 }
 
-Eigen::Vector3d on_sphere(Random& random) {
+Eigen::Vector3d on_sphere(PortableRandom& random) {
   return random.normals().normalized();
 }
 
@@ -128,7 +128,7 @@ TEST_P(FoundKind, MovesWithThePoints) {
   const SyntheticPoints p = points_of(GetParam(), o);
   const PointFit fit = fit_points(p.cloud, of_kind(GetParam()));
   ASSERT_TRUE(fit.usable) << fit.reason;
-  Random random(3);
+  PortableRandom random(3);
   const Eigen::Matrix3d turn = random.rotation();
   PointCloud cloud = moved(p.cloud, turn, 3, {1, 2, 3});
   const PointFit after = fit_points(cloud, of_kind(GetParam()));
@@ -305,7 +305,7 @@ constexpr std::array<Storage, 8> storages{
 // of squares, for surfaces that are covered, is below 12 over root n.
 TEST_P(FoundKind, IsFoundInAGridOfRoundedNumbers) {
   const AnySurface surface = make_surface(GetParam());
-  Random random(245);
+  PortableRandom random(245);
   for (const Storage& stored : storages)
     for (const auto& [around, along] : {std::pair{12, 12}, {48, 24}})
       for (const int place : {0, 1, 2}) {  // as it is, turned and moved, on a map
@@ -353,9 +353,10 @@ TEST(FitPoints, NoiseBeyondRoundingsIsTheirs) {
   constexpr double sigma = 1e-3;
   const Eigen::Vector3d centre(1000, 200, 300);
   std::cout << "seed 246\n";
-  PointCloud exact = cloud_of(
-                 10000, 246,
-                 [&](Random&r) { return Eigen::Vector3d(centre + on_sphere(r) + sigma * r.normals()); }),
+  PointCloud exact = cloud_of(10000, 246,
+                              [&](PortableRandom&r) {
+                                return Eigen::Vector3d(centre + on_sphere(r) + sigma * r.normals());
+                              }),
              floats = exact, far_out = exact;
   for (auto& p : floats.positions)
     p = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
@@ -371,7 +372,7 @@ TEST(FitPoints, NoiseBeyondRoundingsIsTheirs) {
 
 // A turn about its axis changes nothing, exactly or nearly so; all else is known.
 TEST(FitPoints, FindsEllipsoidsOfRevolution) {
-  Random random(90);
+  PortableRandom random(90);
   std::cout << "seed 90\n";
   for (int repeat = 0; repeat < 40; ++repeat) {
     const double c = random.uniform(0.4, 2), from = random.uniform(0, 0.3),
@@ -459,19 +460,20 @@ TEST(FitPoints, NeedsMorePointsThanUnknowns) {
   for (auto& p : nan.positions) p.y = std::numeric_limits<double>::quiet_NaN();
   expect_unusable(nan, "sphere", "no point is finite");
   EXPECT_EQ(fit_points(nan, of_kind("sphere")).ignored, 20U);
-  expect_unusable(cloud_of(20, 1, [](Random&) { return Eigen::Vector3d(1e9, 2, 3); }), "auto",
+  expect_unusable(cloud_of(20, 1, [](PortableRandom&) { return Eigen::Vector3d(1e9, 2, 3); }), "auto",
                   "at one place");
 }
 
 TEST(FitPoints, DistinguishesDegeneratePoints) {
-  const auto line =
-      cloud_of(50, 2, [](Random& r) { return Eigen::Vector3d(r.uniform() * Eigen::Vector3d(1, -2, 3)); });
-  const auto noisy_line = cloud_of(301, 2, [](Random& r) {
+  const auto line = cloud_of(
+      50, 2, [](PortableRandom& r) { return Eigen::Vector3d(r.uniform() * Eigen::Vector3d(1, -2, 3)); });
+  const auto noisy_line = cloud_of(301, 2, [](PortableRandom& r) {
     return Eigen::Vector3d(r.uniform() * Eigen::Vector3d(1, 2, 3) + 0.01 * r.normals());
   });
-  const auto flat = cloud_of(302, 2, [](Random& r) { return Eigen::Vector3d(r.uniform(), r.uniform(), 0); });
+  const auto flat =
+      cloud_of(302, 2, [](PortableRandom& r) { return Eigen::Vector3d(r.uniform(), r.uniform(), 0); });
   const auto circle = [](double noise) {
-    return cloud_of(noise > 0 ? 304 : 303, 2, [noise](Random& r) {
+    return cloud_of(noise > 0 ? 304 : 303, 2, [noise](PortableRandom& r) {
       const double t = r.uniform(0, 2 * std::numbers::pi);
       return Eigen::Vector3d(Eigen::Vector3d(std::cos(t), std::sin(t), 0) + noise * r.normals());
     });
@@ -491,13 +493,13 @@ TEST(FitPoints, DistinguishesDegeneratePoints) {
 }
 
 TEST(FitPoints, FindsNoSurfaceInAVolume) {
-  const auto cube = cloud_of(3000, 3, [](Random& r) {
+  const auto cube = cloud_of(3000, 3, [](PortableRandom& r) {
     const double x = r.uniform(), y = r.uniform(), z = r.uniform();
     return Eigen::Vector3d(x, y, z);
   });
-  const auto blob = cloud_of(1000, 3, [](Random& r) { return r.normals(); });
+  const auto blob = cloud_of(1000, 3, [](PortableRandom& r) { return r.normals(); });
   const auto noisy =
-      cloud_of(1000, 3, [](Random& r) { return Eigen::Vector3d(on_sphere(r) + 1.5 * r.normals()); });
+      cloud_of(1000, 3, [](PortableRandom& r) { return Eigen::Vector3d(on_sphere(r) + 1.5 * r.normals()); });
   for (const std::string kind : {"auto", "plane", "sphere", "cylinder", "cone", "torus", "ellipsoid"})
     for (const PointCloud& cloud : {cube, blob, noisy}) expect_unusable(cloud, kind, "");
 }
@@ -506,7 +508,7 @@ TEST(FitPoints, FindsNoSurfaceInAVolume) {
 // too much, but alike between neighbours. Such surfaces were "converged" where neighbours were sought only
 // beyond 30 sigma.
 TEST(FitPoints, FindsNoSurfaceWhereNeighboursAreAlike) {
-  const auto cube = cloud_of(1000, 5, [](Random& r) {
+  const auto cube = cloud_of(1000, 5, [](PortableRandom& r) {
     const double x = r.uniform(-1, 1), y = r.uniform(-1, 1), side = r.uniform() < 0.5 ? -1 : 1;
     const std::size_t axis = r.below(3);
     Eigen::Vector3d p;
@@ -514,7 +516,7 @@ TEST(FitPoints, FindsNoSurfaceWhereNeighboursAreAlike) {
       p[static_cast<Eigen::Index>((axis + k) % 3)] = std::array{side, x, y}[k];
     return Eigen::Vector3d(p + 0.01 * r.normals());
   });
-  const auto step = cloud_of(1000, 6, [](Random& r) {
+  const auto step = cloud_of(1000, 6, [](PortableRandom& r) {
     const double x = r.uniform(-1, 1), y = r.uniform(-1, 1);
     return Eigen::Vector3d(Eigen::Vector3d(x, y, x > 0 ? 0.3 : -0.3) + 0.01 * r.normals());
   });
@@ -550,7 +552,7 @@ TEST(FitPoints, JudgesSmallArcs) {
   for (const double degrees : {30.0, 3.6, 0.1}) {
     const double arc = degrees * std::numbers::pi / 180;
     for (const double sagittas : {0.0, 0.01, 1.0}) {
-      const auto cloud = cloud_of(500, 4, [&](Random& r) {
+      const auto cloud = cloud_of(500, 4, [&](PortableRandom& r) {
         const double t = arc * r.uniform(), z = arc * r.uniform();
         return Eigen::Vector3d(Eigen::Vector3d(std::cos(t), std::sin(t), z) +
                                sagittas * (1 - std::cos(arc / 2)) * r.normals());
@@ -591,7 +593,7 @@ TEST(FitPoints, IsRightOrRefusesAmongManyOutliers) {
 }
 
 TEST(FitPoints, ChoosesTheLargerOfTwoSpheres) {
-  const auto cloud = cloud_of(1500, 5, [](Random& r) {
+  const auto cloud = cloud_of(1500, 5, [](PortableRandom& r) {
     const Eigen::Vector3d x = on_sphere(r) + 0.01 * r.normals();
     return Eigen::Vector3d(r.uniform() < 0.7 ? x : 0.7 * x + Eigen::Vector3d(1, 1, 0));
   });
@@ -623,8 +625,8 @@ TEST(FitPoints, BearsDuplicatesAndPointsFarOut) {
 // However far: the size is that of most of the points.
 TEST(FitPoints, BearsAnyFinitePoint) {
   for (const double distance : {1e4, 1e12, 1e50, 1e160, 1.7e308}) {
-    PointCloud cloud =
-        cloud_of(500, 8, [](Random& r) { return Eigen::Vector3d(on_sphere(r) + 0.01 * r.normals()); });
+    PointCloud cloud = cloud_of(
+        500, 8, [](PortableRandom& r) { return Eigen::Vector3d(on_sphere(r) + 0.01 * r.normals()); });
     cloud.positions.push_back({distance, 0, 0});
     cloud.positions.push_back({distance, distance, -distance});
     cloud.positions.push_back({0, -distance, 1});
@@ -638,14 +640,15 @@ TEST(FitPoints, BearsAnyFinitePoint) {
     }
   }
   for (const double scale : {1e-310, 1e-200, 1e200, 1.7e308})
-    expect_unusable(cloud_of(100, 6, [&](Random& r) { return Eigen::Vector3d(scale * on_sphere(r)); }),
-                    "sphere", "expected 1e-152 to 1e152");
+    expect_unusable(
+        cloud_of(100, 6, [&](PortableRandom& r) { return Eigen::Vector3d(scale * on_sphere(r)); }), "sphere",
+        "expected 1e-152 to 1e152");
 }
 
 // A point tells once what it has to tell.
 TEST(FitPoints, CountsEqualPointsOnce) {
   const PointCloud once =
-      cloud_of(500, 9, [](Random& r) { return Eigen::Vector3d(on_sphere(r) + 0.01 * r.normals()); });
+      cloud_of(500, 9, [](PortableRandom& r) { return Eigen::Vector3d(on_sphere(r) + 0.01 * r.normals()); });
   PointCloud often = once;
   for (int k = 0; k < 2; ++k)
     often.positions.insert(often.positions.end(), once.positions.begin(), once.positions.end());
@@ -656,7 +659,7 @@ TEST(FitPoints, CountsEqualPointsOnce) {
     EXPECT_NEAR(b.sigma, a.sigma, 1e-9 * a.sigma);
     EXPECT_NEAR(standard_error(b, "radius"), standard_error(a, "radius"), 1e-9);
   }
-  PointCloud few = cloud_of(7, 10, [](Random& r) { return r.normals(); });
+  PointCloud few = cloud_of(7, 10, [](PortableRandom& r) { return r.normals(); });
   for (int k = 0; k < 7 * 999; ++k) few.positions.push_back(few.positions[static_cast<std::size_t>(k) % 7]);
   for (const std::string kind : {"auto", "sphere", "cone"}) expect_unusable(few, kind, "");
 }

@@ -39,7 +39,7 @@ Eigen::VectorXd least_squares(const SyntheticPoints& points) {
 }
 
 // The minimal parameters as a placed surface again, with one of the other names it has where it is symmetric.
-PlacedSurface surface_at(const SyntheticPoints& points, const Eigen::VectorXd& q, Random& random) {
+PlacedSurface surface_at(const SyntheticPoints& points, const Eigen::VectorXd& q, PortableRandom& random) {
   const TrueShape shape(points);
   std::vector<double> values = shape.values;
   Eigen::Isometry3d local = Eigen::Isometry3d::Identity();
@@ -99,7 +99,7 @@ TEST(SyntheticPoints, TheOracleReachesTheBound) {
   constexpr int sets = 120;
   for (const std::string_view kind : kinds)
     for (const double coverage : {1.0, 0.25}) {
-      Random random(seed);
+      PortableRandom random(seed);
       double sum = 0;
       int n = 0;
       for (int k = 0; k < sets; ++k) {
@@ -124,7 +124,7 @@ TEST(SyntheticPoints, TheOracleReachesTheBound) {
 // Parameters to a surface and back, under all the names of one surface. The tilts are exact; the rotation
 // too.
 TEST(SyntheticPoints, TheErrorIsReadBack) {
-  Random random(seed);
+  PortableRandom random(seed);
   for (const std::string_view kind : kinds)
     for (std::uint64_t k = 0; k < 50; ++k) {
       const SyntheticPoints points = make_points(
@@ -288,7 +288,7 @@ TEST(SyntheticPoints, NoiseAndOutliersAreAsAsked) {
 
 // The true frame under every name of a surface, against the catalogue's frame of the surface so named.
 TEST(SyntheticPoints, TheTrueFrameIsTheCatalogues) {
-  Random random(seed);
+  PortableRandom random(seed);
   for (const std::string_view kind : kinds)
     for (std::uint64_t k = 0; k < 40; ++k) {
       const SyntheticPoints points =

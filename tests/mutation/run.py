@@ -337,7 +337,8 @@ class Workshop:
             folder = self.folder / name
             program = folder / test
             built = self.run([self.compiler, *self.flags, "-O0", f"-I{folder}", f"-I{HEADERS.parent}", f"-I{ROOT}/tests",
-                              str(ROOT / "tests" / f"{test}.cpp"), *self.test_objects, "-lgtest", "-lgtest_main",
+                              f"-I{ROOT}/tests/support",
+                              str(ROOT / "tests/surface" / f"{test}.cpp"), *self.test_objects, "-lgtest", "-lgtest_main",
                               "-lpthread", "-o", str(program)])
             if built.returncode:
                 return "not compiling", f"in {test}: {built.stderr.strip().splitlines()[-1:]}"

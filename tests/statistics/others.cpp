@@ -1,7 +1,7 @@
 #include "others.h"
 
 #ifdef DARBOUX_STATISTICS_CGAL
-#include <CGAL/Random.h>
+#include <CGAL/PortableRandom.h>
 #include <CGAL/Shape_detection/Efficient_RANSAC.h>
 #include <CGAL/Simple_cartesian.h>
 #include <CGAL/jet_estimate_normals.h>

@@ -92,7 +92,7 @@ struct Outcome {
 
 inline void judge_frame(const SyntheticPoints& points, const PointFit& fit, std::uint64_t seed,
                         Outcome& outcome) {
-  Random random(seed);
+  PortableRandom random(seed);
   const Eigen::Vector3d foot = points.feet[random.below(points.feet.size())];
   const Eigen::Matrix3d truth = true_frame(points, *fit.surface, foot);
   const UncertainFrame found = frame_near(fit, from_eigen(points.truth.placement * (points.scale * foot)));

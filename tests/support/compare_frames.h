@@ -7,9 +7,9 @@
 
 #include <darboux/frame.h>
 
-namespace darboux::test {
+#include "roundoff.h"
 
-constexpr double roundoff = 0x1p-53;
+namespace darboux::test {
 
 inline bool finite(const Vec3<double>& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);

@@ -14,9 +14,10 @@
 
 #include <gtest/gtest.h>
 
+#include "roundoff.h"
+
 namespace darboux::test {
 
-constexpr double roundoff = 0x1p-53;
 constexpr double tau = 2 * std::numbers::pi;
 template <int n>
 using Order = std::integral_constant<int, n>;

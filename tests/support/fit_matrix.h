@@ -186,7 +186,7 @@ inline void judge_intervals(const SyntheticPoints& points, const PointFit& fit, 
     }
   if (const ConfidenceInterval* i = interval_named(fit, "axis_deg")) run.axis = truth.axis_deg <= i->high;
   if (const ConfidenceInterval* i = interval_named(fit, "centre")) run.centre = truth.centre <= i->high;
-  Random random(seed);
+  PortableRandom random(seed);
   const Eigen::Vector3d foot = points.feet[random.below(points.feet.size())];
   const Eigen::Matrix3d frame_of_truth = true_frame(points, *fit.surface, foot);
   const UncertainFrame found = frame_near(fit, from_eigen(points.truth.placement * (points.scale * foot)));

@@ -16,21 +16,12 @@
 #include <darboux/frame.h>
 #include <darboux/shape_operator.h>
 
+#include "random.h"
+
 namespace darboux::test {
 
 using Points = std::vector<Vec3<double>>;
 constexpr double infinite = std::numeric_limits<double>::infinity();
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine(seed) { std::cout << "seed " << seed << '\n'; }
-  double uniform(double from, double to) { return std::uniform_real_distribution<double>(from, to)(engine); }
-  double normal() { return gauss_(engine); }
-  std::mt19937_64 engine;
-
- private:
-  std::normal_distribution<double> gauss_;
-};
 
 // A point of a surface and neighbours of it; the point itself is the first.
 struct Patch {

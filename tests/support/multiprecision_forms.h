@@ -12,10 +12,9 @@
 #include <darboux/forms.h>
 
 #include "every_surface.h"
+#include "roundoff.h"
 
 namespace darboux::test {
-
-inline constexpr double roundoff = 0x1p-53;
 
 // The forms take any scalar. In 40 digits an identity holds to 1e-20 of its terms or it is wrong: rounding
 // and truncation of the differences are below that at every point whose conditions are below 1e10.

@@ -25,12 +25,10 @@
 
 namespace darboux::test {
 
-using Random = std::mt19937_64;
-
-inline double uniform(Random& random, double low, double high) {
+inline double uniform(std::mt19937_64& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
-inline int integer(Random& random, int low, int high) {
+inline int integer(std::mt19937_64& random, int low, int high) {
   return std::uniform_int_distribution<int>(low, high)(random);
 }
 
@@ -78,7 +76,7 @@ inline Polyhedron convex_hull(const std::vector<Vec3<double>>& points) {
   return result;
 }
 
-inline Polyhedron platonic(Random& random) {
+inline Polyhedron platonic(std::mt19937_64& random) {
   const double g = (1 + std::sqrt(5.0)) / 2;
   std::vector<Vec3<double>> p;
   const auto signs = [&](double x, double y, double z) {
@@ -111,7 +109,7 @@ inline Polyhedron platonic(Random& random) {
   return convex_hull(p);
 }
 
-inline Polyhedron random_hull(Random& random) {
+inline Polyhedron random_hull(std::mt19937_64& random) {
   std::vector<Vec3<double>> p;
   for (int n = integer(random, 5, 18); n > 0;) {
     const Vec3<double> q{uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1)};
@@ -152,7 +150,7 @@ inline Polyhedron rings(int sides, const std::vector<std::array<double, 2>>& pro
   return result;
 }
 
-inline Polyhedron prism(Random& random) {
+inline Polyhedron prism(std::mt19937_64& random) {
   const int sides = integer(random, 3, 7);
   const double r = uniform(random, 0.2, 1), h = uniform(random, 0.2, 2), kind = integer(random, 0, 3);
   return rings(sides,
@@ -164,7 +162,7 @@ inline Polyhedron prism(Random& random) {
                kind == 1 ? 0.5 : 0, integer(random, 0, 1) == 1);
 }
 
-inline Polyhedron lathe(Random& random, int sides) {
+inline Polyhedron lathe(std::mt19937_64& random, int sides) {
   std::vector<std::array<double, 2>> profile;
   double z = 0;
   for (int n = integer(random, 4, 7); n > 0; --n)
@@ -172,7 +170,7 @@ inline Polyhedron lathe(Random& random, int sides) {
   return rings(sides, profile, 0, integer(random, 0, 1) == 1);
 }
 
-inline Polyhedron bevelled_box(Random& random) {
+inline Polyhedron bevelled_box(std::mt19937_64& random) {
   const Vec3<double> half{uniform(random, 0.3, 1), uniform(random, 0.3, 1), uniform(random, 0.3, 1)};
   const double b = uniform(random, 0.02, 0.25);
   const bool round = integer(random, 0, 1) == 1;
@@ -190,7 +188,7 @@ inline Polyhedron bevelled_box(Random& random) {
   return convex_hull(p);
 }
 
-inline Polyhedron extruded(Random& random) {
+inline Polyhedron extruded(std::mt19937_64& random) {
   const int n = integer(random, 4, 12);
   std::vector<std::array<double, 2>> outline;
   for (int i = 0; i < n; ++i) {
@@ -210,7 +208,7 @@ inline Polyhedron extruded(Random& random) {
   return result;
 }
 
-inline Polyhedron stairs(Random& random) {
+inline Polyhedron stairs(std::mt19937_64& random) {
   const int steps = integer(random, 2, 8);
   const double rise = uniform(random, 0.1, 0.5), run = uniform(random, 0.1, 0.5),
                width = uniform(random, 0.5, 2);
@@ -221,7 +219,7 @@ inline Polyhedron stairs(Random& random) {
   return result;
 }
 
-inline Polyhedron heightfield(Random& random) {
+inline Polyhedron heightfield(std::mt19937_64& random) {
   const int n = integer(random, 3, 12);
   Polyhedron result;
   const double rough = uniform(random, 0.02, 0.3);
@@ -238,7 +236,7 @@ inline Polyhedron heightfield(Random& random) {
 }
 
 // A ball with waves and noise: a low-poly animal.
-inline Polyhedron blob(Random& random) {
+inline Polyhedron blob(std::mt19937_64& random) {
   const Mesh ball = sample_mesh(make_surface("sphere"),
                                 {.topology = MeshTopology::icosphere, .subdivisions = integer(random, 1, 5)});
   Polyhedron result;
@@ -260,7 +258,7 @@ inline Polyhedron blob(Random& random) {
   return result;
 }
 
-inline Polyhedron soup(Random& random) {
+inline Polyhedron soup(std::mt19937_64& random) {
   Polyhedron result;
   const int triangles = integer(random, 1, 12);
   const bool strip = integer(random, 0, 1) == 1;
@@ -275,7 +273,7 @@ inline Polyhedron soup(Random& random) {
 enum class Normals { none, flat, averaged };
 enum class Unwrap { none, by_face, by_box, random };
 
-inline Mesh mesh_of(const Polyhedron& polyhedron, Normals normals, Unwrap unwrap, Random& random) {
+inline Mesh mesh_of(const Polyhedron& polyhedron, Normals normals, Unwrap unwrap, std::mt19937_64& random) {
   Mesh mesh;
   const bool split = normals == Normals::flat || unwrap == Unwrap::by_face;
   if (!split) mesh.positions = polyhedron.points;
@@ -455,14 +453,14 @@ inline void round_to_floats(Mesh& mesh) {
 
 struct NegativeFamily {
   std::string_view name;
-  std::function<Polyhedron(Random&)> make;
-  std::string_view allowed;                     // kinds beside planes that a part of it may really be
-  std::function<Mesh(Random&)> make_mesh = {};  // or the whole mesh, with its normals and uvs
+  std::function<Polyhedron(std::mt19937_64&)> make;
+  std::string_view allowed;  // kinds beside planes that a part of it may really be
+  std::function<Mesh(std::mt19937_64&)> make_mesh = {};  // or the whole mesh, with its normals and uvs
 };
 
 // A solid of patches, shaded smooth, as vertices split by uvs, welded, or one per corner; every other time
 // with MikkTSpace's tangents.
-inline Mesh smooth_solid(Mesh patches, Random& random) {
+inline Mesh smooth_solid(Mesh patches, std::mt19937_64& random) {
   Mesh mesh = with_averaged_normals(std::move(patches));
   const int stored = integer(random, 0, 2);
   if (stored == 1) return welded(mesh);
@@ -470,21 +468,21 @@ inline Mesh smooth_solid(Mesh patches, Random& random) {
   return stored == 2 ? one_vertex_per_corner(mesh) : mesh;
 }
 
-inline Mesh smooth_box(Random& random) {
+inline Mesh smooth_box(std::mt19937_64& random) {
   const Vec3<double> size{uniform(random, 0.2, 2), uniform(random, 0.2, 2), uniform(random, 0.02, 2)};
   return smooth_solid(box_of_patches(size, integer(random, 1, 24)), random);
 }
-inline Mesh smooth_coin(Random& random) {
+inline Mesh smooth_coin(std::mt19937_64& random) {
   return smooth_solid(capped_cylinder(integer(random, 24, 48), integer(random, 1, 3), integer(random, 1, 6),
                                       uniform(random, 0.03, 0.3)),
                       random);
 }
-inline Mesh smooth_cylinder(Random& random) {
+inline Mesh smooth_cylinder(std::mt19937_64& random) {
   return smooth_solid(capped_cylinder(integer(random, 8, 32), integer(random, 1, 12), integer(random, 1, 4),
                                       uniform(random, 0.5, 4)),
                       random);
 }
-inline Mesh smooth_hemisphere(Random& random) {
+inline Mesh smooth_hemisphere(std::mt19937_64& random) {
   Mesh mesh;
   const int sides = integer(random, 12, 32);
   add_dome(mesh, sides, integer(random, 4, 12));
@@ -497,8 +495,9 @@ inline const std::vector<NegativeFamily>& negative_families() {
       {"platonic solids, stretched", platonic, ""},
       {"convex hulls of random points", random_hull, ""},
       {"prisms, antiprisms, pyramids, frusta of 3 to 7 sides", prism, ""},
-      {"lathes of 3 to 7 sides", [](Random& r) { return lathe(r, integer(r, 3, 7)); }, ""},
-      {"lathes of 8 to 16 sides", [](Random& r) { return lathe(r, integer(r, 8, 16)); }, "cone cylinder"},
+      {"lathes of 3 to 7 sides", [](std::mt19937_64& r) { return lathe(r, integer(r, 3, 7)); }, ""},
+      {"lathes of 8 to 16 sides", [](std::mt19937_64& r) { return lathe(r, integer(r, 8, 16)); },
+       "cone cylinder"},
       {"bevelled boxes", bevelled_box, ""},
       {"extruded polygons", extruded, ""},
       {"stairs", stairs, ""},
@@ -515,7 +514,7 @@ inline const std::vector<NegativeFamily>& negative_families() {
 
 // One of the family, by its seed.
 inline Mesh negative(const NegativeFamily& family, std::uint64_t seed) {
-  Random random(seed);
+  std::mt19937_64 random(seed);
   Mesh mesh;
   if (family.make_mesh) {
     mesh = family.make_mesh(random);
@@ -577,7 +576,7 @@ inline constexpr std::array<std::string_view, 3> storage_names{"float32", "float
 
 struct PositiveFamily {
   std::string_view name, kind;
-  std::function<Mesh(Random&)> make;
+  std::function<Mesh(std::mt19937_64&)> make;
 };
 
 inline const std::vector<PositiveFamily>& positive_families() {
@@ -585,41 +584,45 @@ inline const std::vector<PositiveFamily>& positive_families() {
     return sample_mesh(make_surface(surface), {.columns = columns, .rows = rows});
   };
   static const std::vector<PositiveFamily> list{
-      {"spheres, 8x6", "sphere", [=](Random&) { return grid("sphere", 8, 6); }},
+      {"spheres, 8x6", "sphere", [=](std::mt19937_64&) { return grid("sphere", 8, 6); }},
       {"spheres, 12x8 to 32x16", "sphere",
-       [=](Random& r) {
+       [=](std::mt19937_64& r) {
          const int n = integer(r, 6, 16);
          return grid("sphere", 2 * n, n);
        }},
       {"cylinders, 8x1", "cylinder",
-       [=](Random& r) { return grid("cylinder:height=" + std::to_string(uniform(r, 0.3, 4)), 8, 1); }},
+       [=](std::mt19937_64& r) {
+         return grid("cylinder:height=" + std::to_string(uniform(r, 0.3, 4)), 8, 1);
+       }},
       {"cylinders, 8 to 32 sides, 1 to 8 rows", "cylinder",
-       [=](Random& r) {
+       [=](std::mt19937_64& r) {
          return grid("cylinder:height=" + std::to_string(uniform(r, 0.3, 4)), integer(r, 8, 32),
                      integer(r, 1, 8));
        }},
       {"tori, 12x8", "torus",
-       [=](Random& r) { return grid("torus:minor_radius=" + std::to_string(uniform(r, 0.15, 0.7)), 12, 8); }},
+       [=](std::mt19937_64& r) {
+         return grid("torus:minor_radius=" + std::to_string(uniform(r, 0.15, 0.7)), 12, 8);
+       }},
       {"tori, 16x8 to 48x24", "torus",
-       [=](Random& r) {
+       [=](std::mt19937_64& r) {
          const int n = integer(r, 8, 24);
          return grid("torus:minor_radius=" + std::to_string(uniform(r, 0.15, 0.7)), 2 * n, n);
        }},
       {"cones, 8x1", "cone",
-       [=](Random& r) { return grid("cone:height=" + std::to_string(uniform(r, 0.5, 3)), 8, 1); }},
+       [=](std::mt19937_64& r) { return grid("cone:height=" + std::to_string(uniform(r, 0.5, 3)), 8, 1); }},
       {"cones, 8 to 32 sides, 1 to 8 rows", "cone",
-       [=](Random& r) {
+       [=](std::mt19937_64& r) {
          return grid("cone:height=" + std::to_string(uniform(r, 0.5, 3)), integer(r, 8, 32),
                      integer(r, 1, 8));
        }},
       {"ellipsoids, 12x8", "ellipsoid",
-       [=](Random& r) {
+       [=](std::mt19937_64& r) {
          return grid("ellipsoid:semi_axis_y=" + std::to_string(uniform(r, 0.5, 0.9)) +
                          ",semi_axis_z=" + std::to_string(uniform(r, 0.5, 0.9)),
                      12, 8);
        }},
       {"ellipsoids, 16x8 to 48x24", "ellipsoid",
-       [=](Random& r) {
+       [=](std::mt19937_64& r) {
          const int n = integer(r, 8, 24);
          return grid("ellipsoid:semi_axis_y=" + std::to_string(uniform(r, 0.5, 0.9)) +
                          ",semi_axis_z=" + std::to_string(uniform(r, 0.5, 0.9)),
@@ -638,7 +641,7 @@ inline double to_half(double x) {
 }
 
 inline Mesh positive(const PositiveFamily& family, Storage storage, bool uvs, std::uint64_t seed) {
-  Random random(seed);
+  std::mt19937_64 random(seed);
   Mesh mesh = family.make(random);
   mesh.tangents.clear();
   if (!uvs) mesh.uvs.clear();

@@ -26,7 +26,7 @@ AnySurface surface_of(std::string_view kind, std::vector<double> values) {
   return make_surface(kind).with(values);
 }
 
-Shape make_shape(std::string_view kind, bool random_shape, Random& random) {
+Shape make_shape(std::string_view kind, bool random_shape, PortableRandom& random) {
   constexpr double pi = std::numbers::pi, tau = 2 * pi;
   if (kind == "plane") return {surface_of(kind, {3, 2}), 6};
   if (kind == "sphere") return {surface_of(kind, {1}), tau * pi};
@@ -53,14 +53,14 @@ struct Part {
   double begin, length;
 };
 
-Part random_part(Coordinate coordinate, double whole, double share, Random& random) {
+Part random_part(Coordinate coordinate, double whole, double share, PortableRandom& random) {
   const double length = share * whole;
   return {coordinate == Coordinate::turn ? random.uniform() : random.uniform(0, whole - length), length};
 }
 
 // Along u and v.
 std::pair<Part, Part> parts_of(std::string_view kind, const SurfaceInfo& info,
-                               const SyntheticOptions& options, Random& random) {
+                               const SyntheticOptions& options, PortableRandom& random) {
   double share_u = 1, share_v = 1;
   if (options.region == Region::patch) {
     share_u = info.u == Coordinate::turn ? 1.0 / 12 : 1.0 / 4;
@@ -84,7 +84,7 @@ std::pair<Part, Part> parts_of(std::string_view kind, const SurfaceInfo& info,
 }  // namespace
 
 SyntheticPoints make_points(std::string_view kind, const SyntheticOptions& options) {
-  Random random(options.seed);
+  PortableRandom random(options.seed);
   const Shape shape = make_shape(kind, options.random_shape, random);
   const SurfaceInfo& info = shape.surface.info();
   const std::pair<Part, Part> parts = parts_of(kind, info, options, random);

@@ -19,9 +19,9 @@
 namespace darboux {
 
 // The same numbers with every standard library, which its distributions do not promise.
-class Random {
+class PortableRandom {
  public:
-  explicit Random(std::uint64_t seed) : bits_(seed) {}
+  explicit PortableRandom(std::uint64_t seed) : bits_(seed) {}
 
   double uniform() { return static_cast<double>(bits_() >> 11) * 0x1p-53; }  // in [0, 1)
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
