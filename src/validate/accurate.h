@@ -5,10 +5,10 @@
 // may be the wrong one: a corner is an error only where at least 80 % of the part agree with the surface
 // (normals and tangents counted apart), or where a named mistake explains the rest; else it is a warning, and
 // question 2 decides. Nor is it an error that a coarse mesh does not follow a recognised surface: a tangent
-// that is an average of its own triangles' dpdu, and a normal that is a common average of theirs, are
-// warnings; so is what may be authored (authored.h). From what evidence: the surface's truth at each vertex.
-// At poles, where no direction is right for every texture, and of faceted normals on a recognised surface,
-// nothing is claimed.
+// that is an average of its own triangles' dpdu, and a normal that is a common average of theirs, or follows
+// one rather than the surface, are warnings; so is what may be authored (authored.h). From what evidence: the
+// surface's truth at each vertex. At poles, where no direction is right for every texture, and of faceted
+// normals on a recognised surface, nothing is claimed.
 #pragma once
 
 #include <span>

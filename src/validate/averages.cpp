@@ -1,5 +1,7 @@
 #include "averages.h"
 
+#include <cmath>
+
 #include "normal_cones.h"
 
 namespace darboux {
@@ -26,7 +28,12 @@ Averages::Averages(const MeshUnderTest& under_test, const Accurate& accurate,
       if (own.all_round[k]) tangents_[k] = true;
   }
   if (!any_normal) return;
-  normals_ = are_average_normals(mesh, joins, normals);
+  // Of relief on a surface, as a groove round a shaft, the exact normals are none of the coarse triangles'
+  // averages, but the triangles turn from the surface as they do.
+  std::vector<double> within(n, 1);
+  for (std::size_t v = 0; v < n; ++v)
+    if (normals[v]) within[v] = std::fmax(1, 2.0 / 3 * accurate.angles(static_cast<std::uint32_t>(v)).normal);
+  normals_ = are_average_normals(mesh, joins, normals, within);
   std::size_t beyond = 0, averages = 0;
   for (std::size_t v = 0; v < n; ++v) {
     beyond += normals[v] ? corners_of[v] : 0;

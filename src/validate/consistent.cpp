@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include <darboux/frame.h>
 #include <darboux/mesh_frames.h>
@@ -446,6 +447,14 @@ class Closely {
     return is_degenerate(p[0], p[1], p[2]) || certain_sign(mesh_, t, mesh_.half_steps.uv) == 0;
   }
 
+  // Whether two corners of a triangle have one position or one uv.
+  bool has_collapsed_edge(const Triangle& t) const {
+    const auto meet = [&](std::uint32_t a, std::uint32_t b) {
+      return mesh_.positions[a] == mesh_.positions[b] || mesh_.uvs[a] == mesh_.uvs[b];
+    };
+    return meet(t[0], t[1]) || meet(t[1], t[2]) || meet(t[2], t[0]);
+  }
+
   // Adds, for each quad that edge k of the corner's triangle cuts, the triangles of its other diagonal that
   // have the corner.
   void add_other_diagonal(const Corner& c, std::uint32_t k, int sign) {
@@ -479,21 +488,23 @@ class Closely {
           uncertain_ = true;
         continue;
       }
-      // Where a half has no area, the other diagonal tells nothing.
-      if (is_open(first) || is_open(second)) {
+      // Halves of two quads, cut along diagonals that meet, have three corners on a line: a half that tells
+      // nothing. Of a quad with collapsed edges tools make what they like.
+      const bool first_is_open = is_open(first), second_is_open = is_open(second);
+      if ((first_is_open && has_collapsed_edge(first)) || (second_is_open && has_collapsed_edge(second))) {
         uncertain_ = true;
         continue;
       }
-      if (!(first_area * sign > 0) || !(second_area * sign > 0)) {  // not convex in uv
-        // MikkTSpace cuts a quad along the shorter diagonal in uv, though it lies outside.
+      if (!(first_is_open || first_area * sign > 0) || !(second_is_open || second_area * sign > 0)) {
+        // Not convex in uv. MikkTSpace cuts a quad along the shorter diagonal in uv, though it lies outside.
         const auto apart = [&](std::uint32_t i, std::uint32_t k) {
           return norm(mesh_.uvs[i] - mesh_.uvs[k]);
         };
         if (apart(x, r) <= apart(p, q) && is_convex()) uncertain_ = true;
         continue;
       }
-      for (const Triangle& other : {first, second})
-        if (other[0] == corner(t, c.k) || other[1] == corner(t, c.k) || other[2] == corner(t, c.k))
+      for (const auto& [other, open] : {std::pair{first, first_is_open}, {second, second_is_open}})
+        if (!open && std::find(other.begin(), other.end(), corner(t, c.k)) != other.end())
           add(positions_of(mesh_, other), uvs_of(mesh_, other), sign);
     }
   }

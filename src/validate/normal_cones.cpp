@@ -8,6 +8,7 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <span>
 
 #include <darboux/frame.h>
 #include <darboux/mesh_frames.h>
@@ -97,7 +98,7 @@ std::vector<bool> lie_in_normal_cones(const Mesh& mesh, const VertexJoins& joins
 }  // namespace
 
 std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins,
-                                      const std::vector<bool>& vertices) {
+                                      const std::vector<bool>& vertices, std::span<const double> within_deg) {
   const std::size_t n = mesh.positions.size();
   constexpr std::uint32_t none = ~0U;
   std::vector<std::uint32_t> sum_of_group(n, none);
@@ -123,9 +124,11 @@ std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins
     }
   std::vector<bool> result = lie_in_normal_cones(mesh, joins, vertices);
   for (std::uint32_t v = 0; v < n; ++v)
-    if (vertices[v])
+    if (vertices[v]) {
+      const double limit = (within_deg.empty() ? average_deg : within_deg[v]) / degrees_per_radian;
       for (const Vec3<double>& sum : sums[sum_of_group[joins.position_and_normal[v]]])
-        if (angle_between(mesh.normals[v], sum) <= average_deg / degrees_per_radian) result[v] = true;
+        if (angle_between(mesh.normals[v], sum) <= limit) result[v] = true;
+    }
   return result;
 }
 

@@ -18,8 +18,8 @@ namespace darboux::test::differentiate_surfaces_test {
 namespace {
 
 template <class T>
-class Central : public ::testing::Test {};
-TYPED_TEST_SUITE(Central, EvenOrders, OrderNames);
+class CentralOnSurfaces : public ::testing::Test {};
+TYPED_TEST_SUITE(CentralOnSurfaces, EvenOrders, OrderNames);
 
 double distance(const Vec3<double>& a, const Vec3<Wide>& b) {
   return static_cast<double>(norm(Vec3<Wide>{a.x - b.x, a.y - b.y, a.z - b.z}));
@@ -107,7 +107,7 @@ void expect_honest(OnCatalogue q) {
   EXPECT_LE(q.curved.percentile(99), 100);
 }
 
-TYPED_TEST(Central, IsEstimatedHonestlyOnSurfaces) {
+TYPED_TEST(CentralOnSurfaces, IsEstimatedHonestlyOnSurfaces) {
   [[maybe_unused]] constexpr int order = TypeParam::value;
   expect_honest(on_catalogue(8, 0, [](const auto& line, double x, const Behaviour& b) {
     return central_difference<order>(in_double(line), x, b);
@@ -184,7 +184,7 @@ double worst_on_round_surfaces(Method method, bool second = false) {
   std::cout << std::scientific << std::setprecision(1) << "worst relative error " << worst << '\n';
   return worst;
 }
-TYPED_TEST(Central, ReachesItsAccuracy) {
+TYPED_TEST(CentralOnSurfaces, ReachesItsAccuracy) {
   [[maybe_unused]] constexpr int order = TypeParam::value;
   constexpr double first = order == 2 ? 4e-11 : order == 4 ? 4e-13 : order == 6 ? 5e-14 : 2e-14;
   constexpr double second = order == 2 ? 1e-8 : order == 4 ? 4e-11 : order == 6 ? 2e-12 : 5e-13;
