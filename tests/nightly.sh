@@ -4,7 +4,7 @@
 # passed or FAILED, seconds. Exit 1 where one failed.
 #   address       the whole suite under the address and undefined-behaviour sanitizers
 #   threads       what runs in parallel under the thread sanitizer
-#   clang         clang compiles every source and every public header alone, without a warning
+#   clang         clang compiles every source of src and every public header alone, without a warning
 #   fuzz          each target of tests/fuzz for 60 seconds (FUZZ_SECONDS)
 #   mutants       100 000 mutants of corpora over all formats, without sanitizers (MUTANTS)
 #   kills         500 kills

@@ -1,10 +1,15 @@
 #include "averages.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include "normal_cones.h"
 
 namespace darboux {
+namespace {
+
+constexpr double most_followed_deg = 30;  // from an average, of normals that follow their triangles
+
+}  // namespace
 
 Averages::Averages(const MeshUnderTest& under_test, const Accurate& accurate,
                    std::span<const VertexChecks> checks, std::span<const std::uint32_t> corners_of) {
@@ -28,12 +33,14 @@ Averages::Averages(const MeshUnderTest& under_test, const Accurate& accurate,
       if (own.all_round[k]) tangents_[k] = true;
   }
   if (!any_normal) return;
-  // Of relief on a surface, as a groove round a shaft, the exact normals are none of the coarse triangles'
-  // averages, but the triangles turn from the surface as they do.
-  std::vector<double> within(n, 1);
-  for (std::size_t v = 0; v < n; ++v)
-    if (normals[v]) within[v] = std::fmax(1, 2.0 / 3 * accurate.angles(static_cast<std::uint32_t>(v)).normal);
-  normals_ = are_average_normals(mesh, joins, normals, within);
+  // Relief on a surface, as a groove round a shaft, has exact normals that follow the triangles: they lean
+  // from the surface up to twice as far as an average of the triangles' does. At a border that average leans
+  // by half a triangle's turn, whatever the surface.
+  std::vector<double> within_deg(n, 1);
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (normals[v] && under_test.classes.of_vertex[v] != VertexClass::border)
+      within_deg[v] = std::clamp(0.5 * accurate.angles(v).normal, 1.0, most_followed_deg);
+  normals_ = are_average_normals(mesh, joins, normals, within_deg);
   std::size_t beyond = 0, averages = 0;
   for (std::size_t v = 0; v < n; ++v) {
     beyond += normals[v] ? corners_of[v] : 0;

@@ -22,8 +22,8 @@ class Averages {
   // Whether the tangent of v is an average of the dpdu of its triangles of that sign, or these go all round
   // it; sign 0 stands for either.
   bool tangent(std::uint32_t v, int sign) const;
-  // Whether the normal of v is an average of its triangles', or nearer to one than to the surface's by a
-  // third.
+  // Whether the normal of v is an average of its triangles', or at most half as far from one as from
+  // the surface's.
   bool normal(std::uint32_t v) const { return !normals_.empty() && normals_[v]; }
   // Whether at least half of the corners whose normals are beyond have such averages: no mistake need explain
   // them.

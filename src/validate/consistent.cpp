@@ -447,12 +447,15 @@ class Closely {
     return is_degenerate(p[0], p[1], p[2]) || certain_sign(mesh_, t, mesh_.half_steps.uv) == 0;
   }
 
-  // Whether two corners of a triangle have one position or one uv.
-  bool has_collapsed_edge(const Triangle& t) const {
+  // Whether the uvs of a triangle lie on a line, apart from each other, as its positions do. Triangles of two
+  // quads, whose diagonals meet, make such a half of a "quad", which tells nothing. Of a quad with a
+  // collapsed edge, or with three corners on a line only in space, tools make what they like.
+  bool is_on_a_line(const Triangle& t) const {
     const auto meet = [&](std::uint32_t a, std::uint32_t b) {
       return mesh_.positions[a] == mesh_.positions[b] || mesh_.uvs[a] == mesh_.uvs[b];
     };
-    return meet(t[0], t[1]) || meet(t[1], t[2]) || meet(t[2], t[0]);
+    return certain_sign(mesh_, t, mesh_.half_steps.uv) == 0 && !meet(t[0], t[1]) && !meet(t[1], t[2]) &&
+           !meet(t[2], t[0]);
   }
 
   // Adds, for each quad that edge k of the corner's triangle cuts, the triangles of its other diagonal that
@@ -488,10 +491,8 @@ class Closely {
           uncertain_ = true;
         continue;
       }
-      // Halves of two quads, cut along diagonals that meet, have three corners on a line: a half that tells
-      // nothing. Of a quad with collapsed edges tools make what they like.
       const bool first_is_open = is_open(first), second_is_open = is_open(second);
-      if ((first_is_open && has_collapsed_edge(first)) || (second_is_open && has_collapsed_edge(second))) {
+      if ((first_is_open && !is_on_a_line(first)) || (second_is_open && !is_on_a_line(second))) {
         uncertain_ = true;
         continue;
       }

@@ -57,8 +57,10 @@ inline constexpr Reason unsure{
         "; at borders, seams and creases of the recognised surface, or blended from there, where they may be "
         "authored: the corners' own triangles do not speak against them",
         "nothing, where they are authored; else recompute them"},
-    coarse{"; averages of their own triangles', which are too coarse for the recognised surface",
-           "nothing, or refine the mesh there"},
+    coarse{
+        "; averages of their own triangles', or near these: the mesh is too coarse for the recognised "
+        "surface, or leaves it",
+        "nothing, or refine the mesh there"},
     chords{
         "; outside the cone of their own triangles, which are too coarse to tell: neighbouring vertices "
         "allow it",

@@ -127,7 +127,7 @@ std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins
     if (vertices[v]) {
       const double limit = (within_deg.empty() ? average_deg : within_deg[v]) / degrees_per_radian;
       for (const Vec3<double>& sum : sums[sum_of_group[joins.position_and_normal[v]]])
-        if (angle_between(mesh.normals[v], sum) <= limit) result[v] = true;
+        if (has_direction(sum) && angle_between(mesh.normals[v], sum) <= limit) result[v] = true;
     }
   return result;
 }

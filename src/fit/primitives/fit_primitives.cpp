@@ -203,7 +203,7 @@ class PrimitivesFit {
     }
     const std::vector<bool> is_inlier = inliers_of(best);
     const NoiseKnowledge noise = report_points(best, points_, is_inlier, options_.noise.has_value(), fit_);
-    // Where two surfaces are equally likely but neither is the points', the latter is what is reported.
+    // Where two surfaces are equally likely but neither is the points', it is the latter that is reported.
     const bool are_alike = (selection.usable || selection.has_rival) &&
                            best.sigma > points_.stored_rounding() &&
                            neighbours_are_alike(points_.cloud, best, is_inlier);
