@@ -447,8 +447,8 @@ class Closely {
     return is_degenerate(p[0], p[1], p[2]) || certain_sign(mesh_, t, mesh_.half_steps.uv) == 0;
   }
 
-  // Whether the uvs of a triangle lie on a line, apart from each other, as its positions do. Triangles of two
-  // quads, whose diagonals meet, make such a half of a "quad", which tells nothing. Of a quad with a
+  // Whether the uvs of a triangle lie on a line, and no two of its uvs or positions are equal. Triangles of
+  // two quads, whose diagonals meet, make such a half of a "quad", which tells nothing. Of a quad with a
   // collapsed edge, or with three corners on a line only in space, tools make what they like.
   bool is_on_a_line(const Triangle& t) const {
     const auto meet = [&](std::uint32_t a, std::uint32_t b) {

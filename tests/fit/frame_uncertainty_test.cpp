@@ -95,9 +95,9 @@ AnySurface varied(const std::string& kind, Random& random) {
   return standard.with(values);
 }
 
-// With Σ = s² δ δ^T the stated covariance is s² θ θ^T, θ the rotation by δ, here of fits moved by ±h δ. h =
-// 1e-5 leaves errors of h² times third derivatives, which grow towards poles and edges, and of 1e-16 / h; s
-// is so small that no pole is in reach.
+// With Σ = s² δ δ^T the stated covariance is s² θ θ^T, θ the rotation by δ, here of fits moved by
+// ±h δ. h = 1e-5 leaves errors of h² times third derivatives, which grow towards poles and edges, and
+// of 1e-16 / h; s is so small that no pole is in reach.
 TEST(FrameUncertainty, IsTheFirstOrderOfRealMotions) {
   Random random(1);
   std::mt19937_64 engine(1);

@@ -213,7 +213,8 @@ TEST(ReadGltf, WorldMatrices) {
   Builder b = one_triangle();
   // A quarter turn about z, scaled by 2, 3, 4, moved; below it a matrix; beside it a node of another scene.
   b.json["nodes"] = Json::parse(R"([
-    {"translation": [10, 20, 30], "rotation": [0, 0, 0.7071067811865476, 0.7071067811865476], "scale": [2, 3, 4], "children": [1]},
+    {"translation": [10, 20, 30], "rotation": [0, 0, 0.7071067811865476, 0.7071067811865476],
+      "scale": [2, 3, 4], "children": [1]},
     {"mesh": 0, "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 1,1,1,1], "children": [3]},
     {"mesh": 0, "translation": [100, 0, 0]},
     {"mesh": 0, "scale": [-1, 1, 1]}])");

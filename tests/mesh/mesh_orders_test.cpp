@@ -120,7 +120,8 @@ struct Row {
   Order regular, jittered;
   int finer = 1;  // so many times the resolutions
 };
-constexpr double floor_of_rounding = 1e-9;  // 2^-53 · 16 · |P| / (an edge of 1/128), and a hundred times that
+// 2^-53 · 16 · |P| / (an edge of 1/128), and a hundred times that.
+constexpr double floor_of_rounding = 1e-9;
 
 Order order_of(const Row& row, const AnySurface& surface, double jitter, bool random_diagonals) {
   std::vector<double> x, y;

@@ -262,8 +262,8 @@ TEST(NormalMap, GreenPointsUpTheImageOrDown) {
   expect_texel(convert_normal_map(leans, {}, options).image, 5, {0, 0.6, 0.8}, 1e-7);
 }
 
-// t = x, n = (0.6, 0, 0.8), b = n × t = (0, 0.8, 0). x t + y b + z n = d: of d = (0, 0, 1), z = 1/0.8 and x =
-// -0.6/0.8, so (-0.6, 0, 1) made unit. The transpose would give (0, 0, 0.8).
+// t = x, n = (0.6, 0, 0.8), b = n × t = (0, 0.8, 0). x t + y b + z n = d: of d = (0, 0, 1), z = 1/0.8 and
+// x = -0.6/0.8, so (-0.6, 0, 1) made unit. The transpose would give (0, 0, 0.8).
 TEST(NormalMap, TakesTheInverseOfAFrameThatIsNotOrthogonal) {
   const Image z = constant(4, 4, {0, 0, 1});
   const NormalMapResult r =

@@ -65,11 +65,12 @@ TEST(LitModel, ScalesTheMap) {
   EXPECT_LE(difference(whole, drawn()).most, 1);
 }
 
-// A grey is off by at most 290 of its codes per radian: 255 √(0.8 (0.12 + 0.88 n·l)) has that slope where the
-// light just misses. The rounding of the object-space map is off by up to √3/255 radians (2 codes), at 16
-// bits by nothing that shows; both maps are read between texels, where the frame turned by up to one of 1024
-// parts of a turn, which the mean of four takes off but for its square; a rounding of each grey. MikkTSpace's
-// frames jump at the seam, where the object-space map mixes texels of both sides: measured 3 codes more.
+// A grey is off by at most 290 of its codes per radian: 255 √(0.8 (0.12 + 0.88 n·l)) has that slope where
+// the light just misses. The rounding of the object-space map is off by up to √3/255 radians (2 codes), at
+// 16 bits by nothing that shows; both maps are read between texels, where the frame turned by up to one of
+// 1024 parts of a turn, which the mean of four takes off but for its square; a rounding of each grey.
+// MikkTSpace's frames jump at the seam, where the object-space map mixes texels of both sides: measured 3
+// codes more.
 TEST(LitModel, IsTheSameThroughEitherMap) {
   const AnySurface torus = make_surface("torus:major_radius=1,minor_radius=0.4");
   SampleMeshOptions grid;
