@@ -35,7 +35,7 @@ struct CornerCounts {
   std::array<std::size_t, corner_errors> of_error{};
   Beyond tangents, normals, surface_tangents, surface_normals, authored_tangents, authored_normals,
       coarse_tangents, coarse_normals, chord_tangents, local_tangents, local_normals, poles;
-  std::size_t leaning = 0, lit_otherwise = 0;
+  std::size_t leaning = 0, lit_otherwise = 0, departing = 0;
   Lengths tangent_lengths, normal_lengths;
   // Of tangents that are not perpendicular to the normal: how far they lean, at most, and the corners where
   // they are twice as near to the plane of their triangles.
@@ -66,8 +66,13 @@ inline constexpr Reason unsure{
         "allow it",
         "nothing, or refine the mesh there"},
     nearby{"; told by neighbouring vertices alone, so only what is beyond three times the limit counts", ""},
-    lit_otherwise{"; more than 80 deg from their own triangles, at borders, where that may be meant",
-                  "nothing, where cards, skirts or risers are lit as the ground is; else recompute normals"};
+    lit_otherwise{
+        "; more than 80 deg from their own triangles, at borders or where normals are smooth, which may be "
+        "meant",
+        "nothing, where cards, skirts or crowns are lit as the ground or the whole is; else recompute "
+        "normals"},
+    departing{"; more than 45 deg from their own triangles, and no average of these",
+              "nothing, where they are authored; else recompute normals"};
 
 }  // namespace reasons
 

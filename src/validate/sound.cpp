@@ -15,6 +15,7 @@
 #include "mesh/frames/creases.h"
 #include "normal_cones.h"
 #include "rounding.h"
+#include "transferred_normals.h"
 
 namespace darboux {
 namespace {
@@ -323,8 +324,9 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   const std::size_t n = mesh.positions.size();
   const Planes planes(mesh);
   const double least = std::cos(supported_deg / degrees_per_radian),
+               least_near = std::cos(near_deg / degrees_per_radian),
                rounding = std::numbers::sqrt3 * half_step(mesh.half_steps.normal, 1);
-  std::vector<bool> asked(n, false), supported(n, false), agrees(n, false);
+  std::vector<bool> asked(n, false), supported(n, false), near(n, false), agrees(n, false);
   std::vector<std::int32_t> agreeing(n,
                                      0);  // triangles of the position and normal on its side, less the others
   result.drawn.assign(n, false);
@@ -358,6 +360,9 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
           (along >= 0 && (enough <= 0 || along * along >= enough * enough * square)) ||
           (along < 0 && enough < 0 && along * along <= enough * enough * square))
         supported[v] = true, agrees[v] = agrees[v] || plane.uncertain < 1;
+      // 1 - the cosine of a sum is at most as much above 1 - cos(45°) as the uncertainty.
+      if (along > 0 && along * along >= std::pow(std::fmax(least_near - plane.uncertain, 0), 2) * square)
+        near[v] = true;
       candidate = candidate && along > 0 && along * along >= (1 - own * own) * square;
     }
     against += static_cast<std::size_t>(opposing);
@@ -385,11 +390,23 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   }
   result.unsupported.assign(n, false);
   result.sheet_border.assign(n, false);
+  result.transferred.assign(n, false);
+  result.departing.assign(n, false);
   if (!result.all_oppose) {
-    for (std::uint32_t v = 0; v < n; ++v)
+    for (std::uint32_t v = 0; v < n; ++v) {
       if (supported[v]) supported[joins.position_and_normal[v]] = true;
-    for (std::uint32_t v = 0; v < n; ++v)
+      if (near[v]) near[joins.position_and_normal[v]] = true;
+    }
+    for (std::uint32_t v = 0; v < n; ++v) {
       result.unsupported[v] = asked[v] && !supported[v] && !supported[joins.position_and_normal[v]];
+      result.departing[v] =
+          asked[v] && !result.unsupported[v] && !near[v] && !near[joins.position_and_normal[v]];
+    }
+    if (std::find(result.departing.begin(), result.departing.end(), true) != result.departing.end()) {
+      const std::vector<bool> average = are_average_normals(mesh, joins, result.departing);
+      for (std::uint32_t v = 0; v < n; ++v)
+        if (average[v]) result.departing[v] = false;
+    }
     // At sharp edges and tips no average is nearer.
     if (std::find(result.unsupported.begin(), result.unsupported.end(), true) != result.unsupported.end()) {
       const std::vector<bool> average = are_average_normals(mesh, joins, result.unsupported);
@@ -402,8 +419,11 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
           if (has_area[t] && !inside[t]) elsewhere[v] = true;
       for (std::uint32_t v = 0; v < n; ++v)
         if (!elsewhere[v]) result.unsupported[v] = false;
-      if (std::find(result.unsupported.begin(), result.unsupported.end(), true) != result.unsupported.end())
+      if (std::find(result.unsupported.begin(), result.unsupported.end(), true) != result.unsupported.end()) {
         result.sheet_border = borders_of_sheets(mesh, has_area, planes, joins.position);
+        result.transferred =
+            may_be_transferred(mesh, has_area, joins, result.unsupported, result.sheet_border);
+      }
     }
   }
   result.faceted_vertices.assign(n, false);

@@ -35,6 +35,7 @@ double cosine_between(const Vec3<double>& t, const Vec3<double>& n);
 std::vector<Vec3<double>> planes_of_vertices(const Mesh& mesh, const VertexJoins& joins);
 
 constexpr double supported_deg = 80;  // how far a normal may be from all triangles that share it
+constexpr double near_deg = 45;       // how far normals of coarse meshes are, but for averages
 
 // The stored normals beside the planes of the triangles.
 struct NormalChecks {
@@ -42,6 +43,9 @@ struct NormalChecks {
                                   // shares it, no common average of these, and not on a hull turned inside
                                   // out around the same mesh
   std::vector<bool> sheet_border;  // at the borders of triangles that lie back to back, as of leaves on cards
+  std::vector<bool> transferred;   // unsupported, but possibly on purpose (transferred_normals.h)
+  std::vector<bool> departing;  // more than near_deg from every triangle that shares it, no common average,
+                                // and not unsupported
   // As far as positions tell for certain: -1: most triangles that share it lie on the other side; 1: they do
   // not, and one is within 80 degrees; 0: neither.
   std::vector<signed char> side;

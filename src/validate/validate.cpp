@@ -147,8 +147,8 @@ class MeshValidation {
   bool is_unseen(std::uint32_t v) const { return !mesh_.uvs.empty() && !under_test_.has_uv_area[v]; }
   // Leaves and grass on cards are lit as the crown or the ground is.
   bool may_be_lit_otherwise(std::uint32_t v) const {
-    return !accurate_.known() &&
-           (classes_.of_vertex[v] == VertexClass::border || under_test_.normals.sheet_border[v]);
+    return !accurate_.known() && (classes_.of_vertex[v] == VertexClass::border ||
+                                  under_test_.normals.sheet_border[v] || under_test_.normals.transferred[v]);
   }
 
   void compare();
@@ -378,6 +378,9 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Corner
   if (is_pole(v) && surface.tangent > limit_of(v)) warn(counts.poles, surface.tangent);
   if (checks_[v].leans || (checks_[v].along_normal && is_unseen(v))) counts.leaning += group.corners;
   if (is_unsupported(v) && may_be_lit_otherwise(v)) counts.lit_otherwise += group.corners;
+  const bool is_told = accurate_.known() || (smooth_.known() && smooth_.normals[v] != Claim::none);
+  if (!is_told && !mesh_.normals.empty() && under_test_.normals.departing[v])
+    counts.departing += group.corners;
   if (error == no_code && accurate_.known() && accurate_.tangent(v) == Claim::beyond)
     warn(!accurate_.decides(accurate_.tangents_agree(), tangents_diagnosed_) ? counts.surface_tangents
          : is_average_tangent(v, group.sign)                                 ? counts.coarse_tangents
@@ -471,6 +474,7 @@ void MeshValidation::add_warnings(const CornerCounts& counts) {
   }
   warn(Code::normal_angle, counts.lit_otherwise, std::string(reasons::lit_otherwise.why),
        reasons::lit_otherwise);
+  warn(Code::normal_angle, counts.departing, std::string(reasons::departing.why), reasons::departing);
   add(report_, warning(Code::tangent_not_orthogonal, counts.leaning,
                        " (|t.n| > 0.02; above 0.26 an error where triangles have uv area)"));
   add(report_, finding(Code::pole_tangent, counts.poles.counted(),

@@ -1,0 +1,23 @@
+// Normals that were taken from another surface on purpose: leaves and grass lit as the crown or the ground
+// is, rocks that blend into a terrain.
+#pragma once
+
+#include <vector>
+
+#include <darboux/mesh.h>
+
+#include "mesh/vertex_joins.h"
+
+namespace darboux {
+
+// Of the vertices with unsupported normals those that may be such. The normals go on smoothly from there, to
+// all neighbours of all unsupported vertices around; and the piece is a card, at least half of whose vertices
+// lie on its border, or its normals turn less than the surface does, without being all the same. Normals that
+// are negated in a part have a jump at its edge; those of a whole piece that are negated, or turned as one,
+// turn as much as the surface. \param has_area triangles with area \param unsupported, sheet_border of
+// vertices, as in NormalChecks
+std::vector<bool> may_be_transferred(const Mesh& mesh, const std::vector<bool>& has_area,
+                                     const VertexJoins& joins, const std::vector<bool>& unsupported,
+                                     const std::vector<bool>& sheet_border);
+
+}  // namespace darboux
