@@ -111,7 +111,8 @@ MeshUnderTest restrict_to(const MeshUnderTest& whole, const MeshPart& part, doub
     if (normals) {
       under_test.normals.unsupported.push_back(whole.normals.unsupported[v]);
       under_test.normals.side.push_back(whole.normals.side[v]);
-      under_test.normals.sheet_border.push_back(whole.normals.sheet_border[v]);
+      under_test.normals.may_be_meant.push_back(whole.normals.may_be_meant[v]);
+      under_test.normals.departing.push_back(whole.normals.departing[v]);
       under_test.normals.drawn.push_back(whole.normals.drawn[v]);
       under_test.normals.faceted_vertices.push_back(whole.normals.faceted_vertices[v]);
     }

@@ -389,8 +389,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
       result.side[v] = 1;
   }
   result.unsupported.assign(n, false);
-  result.sheet_border.assign(n, false);
-  result.transferred.assign(n, false);
+  result.may_be_meant.assign(n, false);
   result.departing.assign(n, false);
   if (!result.all_oppose) {
     for (std::uint32_t v = 0; v < n; ++v) {
@@ -420,9 +419,11 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
       for (std::uint32_t v = 0; v < n; ++v)
         if (!elsewhere[v]) result.unsupported[v] = false;
       if (std::find(result.unsupported.begin(), result.unsupported.end(), true) != result.unsupported.end()) {
-        result.sheet_border = borders_of_sheets(mesh, has_area, planes, joins.position);
-        result.transferred =
-            may_be_transferred(mesh, has_area, joins, result.unsupported, result.sheet_border);
+        result.may_be_meant = borders_of_sheets(mesh, has_area, planes, joins.position);
+        const std::vector<bool> transferred =
+            may_be_transferred(mesh, has_area, joins, result.unsupported, result.may_be_meant);
+        for (std::uint32_t v = 0; v < n; ++v)
+          if (transferred[v]) result.may_be_meant[v] = true;
       }
     }
   }

@@ -42,8 +42,9 @@ struct NormalChecks {
   std::vector<bool> unsupported;  // vertices whose normal is more than supported_deg from every triangle that
                                   // shares it, no common average of these, and not on a hull turned inside
                                   // out around the same mesh
-  std::vector<bool> sheet_border;  // at the borders of triangles that lie back to back, as of leaves on cards
-  std::vector<bool> transferred;   // unsupported, but possibly on purpose (transferred_normals.h)
+  // At the borders of triangles that lie back to back, as of leaves on cards, or as transferred_normals.h has
+  // it.
+  std::vector<bool> may_be_meant;
   std::vector<bool> departing;  // more than near_deg from every triangle that shares it, no common average,
                                 // and not unsupported
   // As far as positions tell for certain: -1: most triangles that share it lie on the other side; 1: they do
