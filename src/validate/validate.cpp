@@ -147,8 +147,8 @@ class MeshValidation {
   bool is_unseen(std::uint32_t v) const { return !mesh_.uvs.empty() && !under_test_.has_uv_area[v]; }
   // Leaves and grass on cards are lit as the crown or the ground is.
   bool may_be_lit_otherwise(std::uint32_t v) const {
-    return !accurate_.known() && (classes_.of_vertex[v] == VertexClass::border ||
-                                  under_test_.normals.sheet_border[v] || under_test_.normals.transferred[v]);
+    return !accurate_.known() &&
+           (classes_.of_vertex[v] == VertexClass::border || under_test_.normals.may_be_meant[v]);
   }
 
   void compare();
