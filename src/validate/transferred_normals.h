@@ -14,8 +14,9 @@ namespace darboux {
 // all neighbours of all unsupported vertices around; and the piece is a card, at least half of whose vertices
 // lie on its border, or its normals turn less than the surface does, without being all the same. Normals that
 // are negated in a part have a jump at its edge; those of a whole piece that are negated, or turned as one,
-// turn as much as the surface. \param has_area triangles with area \param unsupported, sheet_border of
-// vertices, as in NormalChecks
+// turn as much as the surface.
+// \param has_area triangles with area \param unsupported of vertices
+// \param sheet_border those at the borders of sheets that lie back to back
 std::vector<bool> may_be_transferred(const Mesh& mesh, const std::vector<bool>& has_area,
                                      const VertexJoins& joins, const std::vector<bool>& unsupported,
                                      const std::vector<bool>& sheet_border);
