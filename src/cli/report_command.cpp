@@ -83,6 +83,17 @@ std::vector<int> parse_resolutions(const std::string& text, int finest) {
   return result;
 }
 
+void read_resolutions(const io::JsonCursor& list, std::size_t fewest, const char* expected, int finest,
+                      std::vector<int>& resolutions) {
+  if (!list.json().is_array() || list.size() < fewest) list.fail(expected);
+  resolutions.clear();
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const auto n = static_cast<int>(list.at(i).integer(2, finest));
+    if (i > 0 && n <= resolutions.back()) list.at(i).fail("numbers that grow");
+    resolutions.push_back(n);
+  }
+}
+
 std::string shell_quoted(const std::string& text) {
   if (text.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=.,:/") ==
       std::string::npos)
