@@ -44,7 +44,7 @@ constexpr FindingKind dropped_kind{"TANGENT_DROPPED", Severity::error,
 
 constexpr std::size_t most_idle_lines = 4;  // per file: what can be left out is no error
 
-bool is_gltf(const std::string& path) {
+bool has_gltf_extension(const std::string& path) {
   const std::string extension = extension_of(path);
   return extension == ".glb" || extension == ".gltf";
 }
@@ -239,11 +239,12 @@ std::vector<PlannedFile> files_to_plan(const std::vector<std::string>& arguments
   for (const AssessedFile& file : files_of(arguments, {}, unused)) {
     const bool named = std::find(arguments.begin(), arguments.end(), file.path) != arguments.end();
     std::error_code none;
-    if (named && file.readable() && !is_gltf(file.path) && std::filesystem::is_regular_file(file.path, none))
+    if (named && file.readable() && !has_gltf_extension(file.path) &&
+        std::filesystem::is_regular_file(file.path, none))
       throw ParameterError(file.path, expected_got("a .glb or .gltf, as only glTF has materials that say "
                                                    "what reads a tangent frame",
                                                    "another format"));
-    if (named || is_gltf(file.path)) result.push_back({file.path, file.error});
+    if (named || has_gltf_extension(file.path)) result.push_back({file.path, file.error});
   }
   if (result.empty()) throw ParameterError("plan", expected_got("folders with .glb or .gltf files", "none"));
   return result;
