@@ -52,12 +52,6 @@ Place place_of(const AnySurface& surface, std::span<const MapPiece> pieces, cons
                                                            " % of its size (rms) at its uvs"));
 }
 
-Json numbers(std::span<const double> values) {
-  Json json = Json::array();
-  for (const double x : values) json.push_back(number(x));
-  return json;
-}
-
 Json report_json(const BakeArguments& a, const Place& place, const BakeResult& r,
                  std::span<const MapPiece> pieces, const BakeOptions& options) {
   Json classes = Json::array();

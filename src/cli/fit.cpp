@@ -185,11 +185,8 @@ Json fit_json(const FitArguments& arguments, const PointFit& fit, const Membersh
   const bool fitted = fit.inliers > 0;
   Json json{{"file", arguments.file}, {"surface", nullptr}};
   if (fit.usable) {
-    Json placement = Json::array();
-    for (Eigen::Index k = 0; k < 16; ++k)
-      placement.push_back(number(fit.surface->placement.matrix()(k % 4, k / 4)));
     json["surface"] = surface_json(fit.surface->surface);
-    json["surface"]["placement"] = placement;
+    json["surface"]["placement"] = numbers({fit.surface->placement.data(), 16});
   }
   json["usable"] = fit.usable;
   json["reason"] = fit.reason;

@@ -49,11 +49,6 @@ bool has_gltf_extension(const std::string& path) {
   return extension == ".glb" || extension == ".gltf";
 }
 
-std::string place_of(const PrimitiveNeed& p) {
-  return "mesh " + std::to_string(p.mesh) + " primitive " + std::to_string(p.primitive) +
-         (p.name.empty() ? "" : " (" + one_line(p.name) + ")");
-}
-
 std::string bytes_text(std::size_t bytes) {
   if (bytes < 1000) return std::to_string(bytes) + " bytes";
   const auto n = static_cast<double>(bytes);
@@ -151,14 +146,15 @@ Json sarif_of(const std::vector<PlannedFile>& files) {
     if (!file.error.empty()) add(unreadable_file, Severity::error, file.error, "");
     for (const DroppedTangents& d : file.dropped)
       add(dropped_kind, Severity::error,
-          place_of(*d.after) + ": " + with_to_do(std::string(dropped_kind.message), dropped_kind.to_do),
-          place_of(*d.after));
+          primitive_text(*d.after) + ": " + with_to_do(std::string(dropped_kind.message), dropped_kind.to_do),
+          primitive_text(*d.after));
     for (const PrimitiveNeed& p : file.needs.primitives) {
       if (p.need == TangentNeed::missing)
         add(missing, p.derivable ? Severity::warning : Severity::error,
-            place_of(p) + ": " + with_to_do(missing_text(p), missing.to_do), place_of(p));
+            primitive_text(p) + ": " + with_to_do(missing_text(p), missing.to_do), primitive_text(p));
       if (p.need == TangentNeed::idle)
-        add(idle, Severity::info, place_of(p) + ": " + with_to_do(idle_text(p), idle.to_do), place_of(p));
+        add(idle, Severity::info, primitive_text(p) + ": " + with_to_do(idle_text(p), idle.to_do),
+            primitive_text(p));
     }
   }
   return sarif_log(std::move(rules), std::move(results));
@@ -206,7 +202,7 @@ void print_text(const std::vector<PlannedFile>& files) {
     }
     std::cout << one_line(file.path) << ": " << summary(t) << '\n';
     for (const DroppedTangents& d : file.dropped)
-      std::cout << "  dropped: " << place_of(*d.after) << ": " << dropped_kind.message << '\n';
+      std::cout << "  dropped: " << primitive_text(*d.after) << ": " << dropped_kind.message << '\n';
     std::size_t idle_lines = 0;
     for (const PrimitiveNeed& p : file.needs.primitives) {
       std::string text;
@@ -216,7 +212,7 @@ void print_text(const std::vector<PlannedFile>& files) {
         text += (text.empty() ? "" : "; ") + std::string("MikkTSpace splits ") +
                 counted(*p.splits, "vertex", "vertices");
       if (text.empty()) continue;
-      std::cout << "  " << place_of(p) << ": " << text << (p.in_scene ? "" : " (in no scene)") << '\n';
+      std::cout << "  " << primitive_text(p) << ": " << text << (p.in_scene ? "" : " (in no scene)") << '\n';
     }
     if (idle_lines > most_idle_lines)
       std::cout << "  and " << idle_lines - most_idle_lines << " more with TANGENT that nothing reads\n";
@@ -307,7 +303,7 @@ void run(const PlanArguments& arguments, Common& common) {
   else
     print_text(files);
   if (!sarif) return;
-  sarif->write(sarif_of(files).dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  sarif->write(json_text(sarif_of(files)) + '\n');
   sarif->commit();
 }
 

@@ -205,7 +205,7 @@ void run_report(const ReportArguments& to, const ReportStudy& study, Common& com
   const auto in_format = [&] {
     return format == "md"     ? report.markdown(origin)
            : format == "svg"  ? report.picture()
-           : format == "json" ? document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'
+           : format == "json" ? json_text(document) + '\n'
                               : report.page(origin);
   };
   for (std::size_t i = 0; i < outputs.size(); ++i)

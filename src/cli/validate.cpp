@@ -193,7 +193,7 @@ void run(const Arguments& arguments, Common& common) {
     print_text(files, with_baseline, arguments.details, common.quiet);
   if (arguments.github) print_github(files, with_baseline);
   if (sarif_file) {
-    sarif_file->write(sarif(files, with_baseline).dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+    sarif_file->write(json_text(sarif(files, with_baseline)) + '\n');
     sarif_file->commit();
   }
   if (junit_file) {

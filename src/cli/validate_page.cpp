@@ -426,10 +426,7 @@ std::string entry(const Entry& e, bool one_file, bool open) {
   for (const CodeCount& c : found) names.emplace(c.kind->code);
   std::string code_names;
   for (const std::string& name : names) code_names += (code_names.empty() ? "" : " ") + name;
-  const std::string place =
-      "mesh " + std::to_string(e.assessed.primitive.mesh) + " primitive " +
-      std::to_string(e.assessed.primitive.primitive) +
-      (e.assessed.primitive.name.empty() ? "" : " (" + one_line(e.assessed.primitive.name) + ")");
+  const std::string place = primitive_text(e.assessed.primitive);
   const std::string name = one_file ? text(place)
                            : e.alone
                                ? path_text(e.file.path)
@@ -508,8 +505,8 @@ std::string not_assessed(const std::vector<AssessedFile>& files) {
   for (const AssessedFile& file : files) {
     if (!file.readable()) continue;
     for (const SkippedPrimitive& s : file.skipped)
-      by_reason[s.reason].push_back((files.size() > 1 ? file.path + ", " : std::string()) + "mesh " +
-                                    std::to_string(s.mesh) + " primitive " + std::to_string(s.primitive));
+      by_reason[s.reason].push_back((files.size() > 1 ? file.path + ", " : std::string()) +
+                                    primitive_text(s.mesh, s.primitive));
     if (file.primitives.empty() && file.skipped.empty())
       by_reason["no triangles to judge"].push_back(file.path);
   }
