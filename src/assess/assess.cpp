@@ -8,6 +8,7 @@
 
 #include "fit/common/kinds.h"
 #include "fit/fit_kinds.h"
+#include "mesh/used_vertices.h"
 #include "parts.h"
 #include "recognise.h"
 #include "surface_kind.h"
@@ -98,12 +99,6 @@ Assessment assessment_of(const MeshUnderTest& under_test, Recognition recognitio
       report.verdict = std::max(report.verdict, Verdict::undetermined);
     }
   }
-  return result;
-}
-
-std::vector<bool> poles(const std::vector<Truth>& truth) {
-  std::vector<bool> result;
-  for (const Truth& t : truth) result.push_back(t.pole);
   return result;
 }
 
@@ -310,9 +305,7 @@ std::vector<Assessment> assess_whole_or_parts(MeshUnderTest under_test, const As
   if (!parts.rest.empty()) parts.recognised.push_back(parts.rest_as_part(whole));
   std::vector<Assessment> result = assess_each(std::move(under_test), std::move(parts.recognised), options);
   close_what_is_left(result);
-  std::vector<bool> used(mesh.positions.size(), false);
-  for (const Triangle& triangle : mesh.triangles)
-    for (const std::uint32_t v : triangle) used[v] = true;
+  const std::vector<bool> used = used_vertices(mesh);
   MeshReport& first = result.front().report;
   add(first, finding(Code::vertex_unreferenced,
                      static_cast<std::size_t>(std::count(used.begin(), used.end(), false))));

@@ -11,6 +11,7 @@
 #include "base/text.h"
 #include "fit/fit_kinds.h"
 #include "mesh/triangle_signs.h"
+#include "mesh/used_vertices.h"
 
 namespace darboux {
 namespace {
@@ -32,9 +33,7 @@ struct Axis {
 };
 
 std::vector<Oriented> oriented_of(const Mesh& mesh, const Shape& shape) {
-  std::vector<bool> used(mesh.positions.size(), false);
-  for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t v : t) used[v] = true;
+  const std::vector<bool> used = used_vertices(mesh);
   std::vector<Oriented> result;
   constexpr std::size_t most = 2000;
   for (const std::size_t v : evenly_chosen(used.size(), most)) {

@@ -11,6 +11,7 @@
 
 #include "base/evenly_chosen.h"
 #include "base/text.h"
+#include "mesh/used_vertices.h"
 #include "surface_kind.h"
 
 namespace darboux {
@@ -172,9 +173,7 @@ struct Normals {
 // \param on_axis how near to the axis of the placement a position is a tip, which has no normal; negative:
 // there is no axis
 Normals compare_normals(const Mesh& mesh, const MeshFit& fit, double on_axis) {
-  std::vector<bool> used(mesh.positions.size(), false);
-  for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t v : t) used[v] = true;
+  const std::vector<bool> used = used_vertices(mesh);
   Mesh few;
   few.half_steps = mesh.half_steps;
   const Eigen::Isometry3d to_local = fit.surface.placement.inverse();

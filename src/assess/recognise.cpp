@@ -12,9 +12,11 @@
 #include "by_normals.h"
 #include "evidence.h"
 #include "fit/fit_kinds.h"
+#include "mesh/area_vector.h"
 #include "mesh/triangle_signs.h"
 #include "shape.h"
 #include "surface_kind.h"
+#include "validate/consistent.h"
 
 namespace darboux {
 namespace {
@@ -77,12 +79,8 @@ bool runs_along_triangles(const Mesh& mesh, const MeshFit& fit) {
   const std::vector<Truth> truth = truths(few, fit, signs);
   std::size_t compared = 0, along = 0;
   for (std::size_t t = 0; t < few.triangles.size(); ++t) {
-    const auto& [a, b, c] = few.triangles[t];
-    const double dv1 = signs[t] * (few.uvs[b].y - few.uvs[a].y),
-                 dv2 = signs[t] * (few.uvs[c].y - few.uvs[a].y);
-    const Vec3<double> dpdu =
-        dv2 * (few.positions[b] - few.positions[a]) - dv1 * (few.positions[c] - few.positions[a]);
-    for (const std::uint32_t v : {a, b, c}) {
+    const Vec3<double> dpdu = direction_of_dpdu(few, few.triangles[t], signs[t]);
+    for (const std::uint32_t v : few.triangles[t]) {
       const double cosine = dot(dpdu, truth[v].tangent);
       if (truth[v].pole || !(cosine < 0 || cosine > 0)) continue;
       ++compared;
@@ -100,8 +98,7 @@ Effort::Outline outline(const Mesh& mesh, const Shape& shape) {
   double along = 0;  // of the triangles' normals
   for (const Triangle& t : mesh.triangles) {
     if (mesh.normals.empty()) break;
-    const Vec3<double>& a = mesh.positions[t[0]];
-    const Vec3<double> n = cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
+    const Vec3<double> n = area_vector(mesh, t);
     for (const std::uint32_t v : t)
       if (const double cosine = dot(unit(n), unit(mesh.normals[v])); std::isfinite(cosine)) along += cosine;
   }

@@ -11,6 +11,7 @@
 #include "fit/common/parameter_jet.h"
 #include "fit/uv/starts.h"
 #include "fit_kinds.h"
+#include "mesh/area_vector.h"
 #include "mesh/triangle_signs.h"
 
 namespace darboux {
@@ -237,11 +238,10 @@ bool is_on_side(const Data& data, const Trial& trial, const Wanted& wanted) {
   const std::size_t step = std::max<std::size_t>(1, mesh.triangles.size() / enough);
   int sides = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); t += step) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    const Vec3<double> n = mesh.normals.empty() ? cross(mesh.positions[b] - mesh.positions[a],
-                                                        mesh.positions[c] - mesh.positions[a])
-                                                : mesh.normals[a];
-    const double cosine = dot(n, surface.truth(mesh.uvs[a]).normal);
+    const Triangle& triangle = mesh.triangles[t];
+    const std::uint32_t v = triangle[0];
+    const Vec3<double> n = mesh.normals.empty() ? area_vector(mesh, triangle) : mesh.normals[v];
+    const double cosine = dot(n, surface.truth(mesh.uvs[v]).normal);
     sides += cosine > 0 ? 1 : cosine < 0 ? -1 : 0;
   }
   return sides >= 0;

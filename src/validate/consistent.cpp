@@ -13,6 +13,7 @@
 #include <darboux/mesh_frames.h>
 
 #include "angles.h"
+#include "base/degrees.h"
 #include "mesh/frames/corner.h"
 #include "mikktspace_comparison.h"
 #include "normal_cones.h"
@@ -49,14 +50,6 @@ bool are_alike(const Vec3<double>& a, const Vec3<double>& n) {
   static const double least = std::cos(alike_deg / degrees_per_radian);
   const double along = dot(a, n);
   return along > 0 && along * along >= least * least * dot(a, a);
-}
-
-// A multiple of dpdu in its direction, of ordinary size; zero or NaN where there is none.
-Vec3<double> along_u(const std::array<Vec3<double>, 3>& p, const std::array<Vec2<double>, 3>& uv, int sign) {
-  const double s = sign, dv1 = s * (uv[1].y - uv[0].y), dv2 = s * (uv[2].y - uv[0].y);
-  const Vec3<double> t = dv2 * (p[1] - p[0]) - dv1 * (p[2] - p[0]);
-  const double size = std::fmax(std::fabs(t.x), std::fmax(std::fabs(t.y), std::fabs(t.z)));
-  return t / size;
 }
 
 std::array<Vec3<double>, 3> positions_of(const Mesh& mesh, const Triangle& t) {
@@ -531,7 +524,11 @@ class Closely {
 }  // namespace
 
 Vec3<double> direction_of_dpdu(const Mesh& mesh, const Triangle& t, int sign) {
-  return along_u(positions_of(mesh, t), uvs_of(mesh, t), sign);
+  const std::array<Vec3<double>, 3> p = positions_of(mesh, t);
+  const std::array<Vec2<double>, 3> uv = uvs_of(mesh, t);
+  const double s = sign, dv1 = s * (uv[1].y - uv[0].y), dv2 = s * (uv[2].y - uv[0].y);
+  const Vec3<double> along = dv2 * (p[1] - p[0]) - dv1 * (p[2] - p[0]);
+  return along / std::fmax(std::fabs(along.x), std::fmax(std::fabs(along.y), std::fabs(along.z)));
 }
 
 Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std::vector<bool>& has_area,
@@ -653,13 +650,17 @@ Claim Cones::claim(std::uint32_t v, int sign) const {
   return a == Claim::beyond || b == Claim::beyond ? Claim::beyond : Claim::none;
 }
 
+const Cones::Outside* Cones::outside_at(std::uint32_t place) const {
+  const auto at = std::lower_bound(outside_.begin(), outside_.end(), place,
+                                   [](const Outside& o, std::uint32_t p) { return o.place < p; });
+  return at == outside_.end() || at->place != place ? nullptr : &*at;
+}
+
 double Cones::outside_deg(std::uint32_t v, int sign) const {
   const auto of = [&](int s) {
     const auto place = static_cast<std::uint32_t>(place_of(v, s));
     if (claims_[place] != Claim::beyond) return 0.0;
-    const auto at = std::lower_bound(outside_.begin(), outside_.end(), place,
-                                     [](const Outside& o, std::uint32_t p) { return o.place < p; });
-    return double{at->deg};
+    return double{outside_at(place)->deg};
   };
   if (sign != 0) return of(sign);
   if (claim(v, 0) != Claim::beyond) return 0;
@@ -675,10 +676,9 @@ Cones Cones::restricted_to(std::span<const std::uint32_t> vertices, double max_a
     for (const int sign : {-1, 1}) {
       const auto place = static_cast<std::uint32_t>(place_of(vertices[i], sign));
       result.claims_.push_back(claims_[place]);
-      const auto at = std::lower_bound(outside_.begin(), outside_.end(), place,
-                                       [](const Outside& o, std::uint32_t p) { return o.place < p; });
+      const Outside* at = outside_at(place);
       // A part that ends at its charts' seams on one side alone has averages that lie one way.
-      if (at == outside_.end() || at->place != place || claims_[place] == Claim::within) continue;
+      if (at == nullptr || claims_[place] == Claim::within) continue;
       result.outside_.push_back(*at);
       result.outside_.back().place = static_cast<std::uint32_t>(place_of(i, sign));
     }

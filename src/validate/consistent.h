@@ -91,6 +91,8 @@ class Cones {
     std::uint32_t place;  // in claims_
     float deg, middle, half;
   };
+  // Null where there is none.
+  const Outside* outside_at(std::uint32_t place) const;
   // Claims nothing of those that are MikkTSpace's.
   void leave_out_mikktspaces(const Mesh& mesh, std::span<const signed char> raw_sign,
                              const MikktspaceReference& mikktspace, std::span<const double> limit_deg);

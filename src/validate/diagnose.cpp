@@ -9,9 +9,11 @@
 
 #include <darboux/frame.h>
 
+#include "base/degrees.h"
 #include "base/linear_algebra.h"
 #include "base/text.h"
 #include "findings.h"
+#include "mesh/area_vector.h"
 #include "normal_cones.h"
 
 namespace darboux {
@@ -30,7 +32,7 @@ struct Pair {
 };
 
 double angle_deg(const Vec3<double>& a, const Vec3<double>& b) {
-  return 180 / std::numbers::pi * angle_between(a, b);
+  return degrees_per_radian * angle_between(a, b);
 }
 
 std::vector<Pair> samples_of(const MeshUnderTest& under_test,
@@ -81,8 +83,7 @@ bool follow_other_axes(const MeshUnderTest& under_test, const std::vector<Pair>&
   const std::size_t corners = mesh.corners();
   std::optional<MikktspaceReference> swapped;
   const auto along_v = [&](const Pair& s) {
-    const Vec4<float>& t = swapped->at(s.corner, mesh.triangles[s.corner / 3][s.corner % 3]);
-    return Vec3<double>{t.x, t.y, t.z};
+    return direction_of(swapped->at(s.corner, mesh.triangles[s.corner / 3][s.corner % 3]));
   };
   for (const Axes& axes : other_axes) {
     double share = share_within(samples, [&](const Pair& s) { return axes.t * s.t + axes.b * s.b; });
@@ -115,8 +116,7 @@ bool follow_other_uv_set(const MeshUnderTest& under_test, const std::vector<Pair
   if (under_test.mesh.normals.empty()) return false;
   const auto share_of = [&](const MikktspaceReference& mikktspace) {
     return share_within(samples, [&](const Pair& s) {
-      const Vec4<float>& t = mikktspace.at(s.corner, under_test.mesh.triangles[s.corner / 3][s.corner % 3]);
-      return Vec3<double>{t.x, t.y, t.z};
+      return direction_of(mikktspace.at(s.corner, under_test.mesh.triangles[s.corner / 3][s.corner % 3]));
     });
   };
   // A set may be a copy of the mesh's own.
@@ -238,9 +238,7 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
   std::vector<bool> is_bent(mesh.positions.size(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!under_test.has_area[t]) continue;
-    const auto& [a, b, c] = mesh.triangles[t];
-    const Vec3<double> n =
-        unit(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
+    const Vec3<double> n = unit(area_vector(mesh, mesh.triangles[t]));
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (plane[v] == Vec3<double>{}) plane[v] = n;
       is_bent[v] = is_bent[v] || !(angle_deg(plane[v], n) <= same_plane);

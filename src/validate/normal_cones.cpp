@@ -14,6 +14,7 @@
 #include <darboux/mesh_frames.h>
 
 #include "angles.h"
+#include "base/degrees.h"
 
 namespace darboux {
 namespace {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <tuple>
 #include <utility>
@@ -11,8 +10,12 @@
 #include <darboux/mesh_frames.h>
 
 #include "angles.h"
+#include "base/bounds.h"
+#include "base/degrees.h"
 #include "base/flatten.h"
+#include "mesh/area_vector.h"
 #include "mesh/frames/creases.h"
+#include "mesh/largest_coordinate.h"
 #include "normal_cones.h"
 #include "rounding.h"
 
@@ -34,10 +37,8 @@ struct Plane {
 class Planes {
  public:
   explicit Planes(const Mesh& mesh) : mesh_(mesh), scale_(1) {
-    double largest = 0;  // finite ones only
-    for (const Vec3<double>& p : mesh.positions)
-      if (detail::finite(p)) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
-    if (largest > 0) scale_ = std::ldexp(1.0, -std::clamp(std::ilogb(largest) + 1, -1000, 1000));
+    if (const double largest = largest_coordinate(mesh.positions); largest > 0)
+      scale_ = std::ldexp(1.0, -std::clamp(std::ilogb(largest) + 1, -1000, 1000));
   }
 
   DARBOUX_FLATTEN Plane operator()(std::uint32_t t) const {
@@ -211,21 +212,17 @@ std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& ha
   // Whether its numbers have an order.
   const auto is_finite = [&](std::uint32_t t) {
     return std::all_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), [&](std::uint32_t v) {
-      return detail::finite(mesh.normals[v]) &&
-             (mesh.uvs.empty() || (std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y)));
+      return detail::finite(mesh.normals[v]) && (mesh.uvs.empty() || detail::finite(mesh.uvs[v]));
     });
   };
   std::vector<bool> result(mesh.triangles.size(), false);
   std::vector<Oriented> insides;
-  constexpr double infinite = std::numeric_limits<double>::infinity();
-  Vec3<double> low{infinite, infinite, infinite}, high = -low;
+  Bounds box;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!has_area[t]) continue;
     bool any = false;
     for (const std::uint32_t v : mesh.triangles[t]) {
-      const Vec3<double>& p = mesh.positions[v];
-      low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
-      high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
+      box.add(mesh.positions[v]);
       any = any || asked[v];
     }
     if (any && opposes[t] && is_finite(t)) insides.push_back(oriented(t, true));
@@ -234,7 +231,7 @@ std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& ha
   std::sort(insides.begin(), insides.end(), [](const Oriented& a, const Oriented& b) {
     return std::tie(a.corners, a.along) < std::tie(b.corners, b.along);
   });
-  const double size = norm(high - low);
+  const double size = box.diagonal();
   const auto reach = [&](const Oriented& o) {
     const auto& [a, b, c] = o.vertices;
     double edge = 0;
@@ -282,10 +279,9 @@ double cosine_between(const Vec3<double>& t, const Vec3<double>& n) {
 std::vector<Vec3<double>> planes_of_vertices(const Mesh& mesh, const VertexJoins& joins) {
   const std::vector<std::uint32_t>& group = joins.position_and_normal;
   std::vector<Vec3<double>> sums(mesh.positions.size());
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3<double> plane =
-        cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
-    for (const std::uint32_t v : {a, b, c}) sums[group[v]] = sums[group[v]] + plane;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3<double> plane = area_vector(mesh, t);
+    for (const std::uint32_t v : t) sums[group[v]] = sums[group[v]] + plane;
   }
   std::vector<Vec3<double>> result;
   for (const std::uint32_t g : group) result.push_back(sums[g]);
@@ -294,7 +290,7 @@ std::vector<Vec3<double>> planes_of_vertices(const Mesh& mesh, const VertexJoins
 
 VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v) {
   VertexChecks c{.position_finite = detail::finite(mesh.positions[v])};
-  if (!mesh.uvs.empty()) c.uv_finite = std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y);
+  if (!mesh.uvs.empty()) c.uv_finite = detail::finite(mesh.uvs[v]);
   if (!mesh.normals.empty()) {
     c.normal_finite = detail::finite(mesh.normals[v]);
     c.normal_unit = is_unit(mesh.normals[v], mesh.half_steps.normal);

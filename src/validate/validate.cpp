@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <tuple>
 
 #include <darboux/error.h>
@@ -13,6 +14,7 @@
 #include "accurate.h"
 #include "authored.h"
 #include "averages.h"
+#include "base/degrees.h"
 #include "base/flatten.h"
 #include "base/text.h"
 #include "corner_counts.h"
@@ -592,7 +594,7 @@ void MeshValidation::diagnose() {
     const Vec3<double> n = mesh_.normals[v];
     if (m.w == 0 || !detail::finite(n))
       return Directions{detail::nan_vector<double>(), detail::nan_vector<double>()};
-    const Vec3<double> t{m.x, m.y, m.z};
+    const Vec3<double> t = direction_of(m);
     return Directions{t, double{m.w} * cross(n, t)};
   };
   const auto known_truth = [&](std::size_t c) {
@@ -686,11 +688,9 @@ MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const Valida
     throw MeshError("mesh", std::to_string(truth.size()) + " truths for " +
                                 std::to_string(mesh.positions.size()) +
                                 " vertices, expected one per vertex or none");
-  std::vector<bool> is_pole;
-  for (const Truth& t : truth) is_pole.push_back(t.pole);
   MeshUnderTest under_test = prepare(mesh, options);
   add_references(under_test, options);
-  classify_vertices(under_test, is_pole, options);
+  classify_vertices(under_test, poles(truth), options);
   return validate(under_test, truth, Basis::declared, options);
 }
 
