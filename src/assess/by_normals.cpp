@@ -25,7 +25,7 @@ struct Oriented {
   Vector3d p, n;  // over the size, about the centre; unit
 };
 
-// Where a surface of revolution lies: its axis, and (u, v) of a position.
+// The axis of a surface of revolution, and its lengths in units of the mesh's size.
 struct Axis {
   Vector3d point, direction;
   double radius = 0, tube = 0;  // of a torus
@@ -150,7 +150,7 @@ std::optional<Axis> torus(const std::vector<Oriented>& list) {
 }  // namespace
 
 std::optional<MeshFit> fit_by_normals(const Mesh& mesh, const Shape& shape, SurfaceKind kind) {
-  if (mesh.normals.empty() || shape.faceted > 0.5) return std::nullopt;
+  if (mesh.normals.empty() || shape.is_faceted()) return std::nullopt;
   const std::vector<Oriented> list = oriented_of(mesh, shape);
   if (list.size() < fewest) return std::nullopt;
   std::optional<Axis> axis;

@@ -324,7 +324,8 @@ void Effort::failed(const Outline& outline) {
 
 bool Effort::may_search_affine(const Shape& shape) {
   if (!one_chart_) one_chart_ = shape.one_chart;
-  return *one_chart_ && shape.one_chart && affine_ > 0 && !spent() && affine_-- > 0;
+  if (!*one_chart_ || !shape.one_chart || affine_searched_ || spent()) return false;
+  return affine_searched_ = true;
 }
 
 Recognition recognise(const Mesh& mesh, std::span<const signed char> signs,

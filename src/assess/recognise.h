@@ -49,7 +49,7 @@ class Effort {
   SearchHistory& history_;
   std::size_t failed_before_;  // of these in other meshes
   std::size_t searched_briefly_ = 0;
-  int affine_ = 1;
+  bool affine_searched_ = false;
   std::optional<bool> one_chart_;  // of what was looked at first
 };
 

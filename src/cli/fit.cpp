@@ -212,7 +212,7 @@ Json fit_json(const FitArguments& arguments, const PointFit& fit, const Membersh
   return json;
 }
 
-// "    label          text"
+// "  label           text"
 void print_line(std::string label, const std::string& text) {
   label.resize(std::max<std::size_t>(label.size() + 1, 16), ' ');
   std::cout << "  " << label << text << '\n';

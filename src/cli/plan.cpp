@@ -160,7 +160,7 @@ Json sarif_of(const std::vector<PlannedFile>& files) {
   return sarif_log(std::move(rules), std::move(results));
 }
 
-// "3 primitives need TANGENT: 2 have it, 1 without; 4 carry it for nothing (12 kB of 80 kB of geometry)"
+// "3 primitives need TANGENT: 2 with it, 1 without; 4 carry it for nothing (12 kB of 80 kB of geometry)"
 std::string summary(const NeedTotals& t) {
   const std::size_t all = t.needed + t.missing;
   std::string text = all == 0 ? "no primitive needs TANGENT"
@@ -253,7 +253,7 @@ void plan(PlannedFile& file, const PlanArguments& arguments, const std::optional
   try {
     file.needs = tangent_need(file.path, levels.of(arguments.level), read);
     if (before) file.dropped = dropped_tangents(*before, file.needs);
-    if (arguments.splits) count_splits(file.path, file.needs, 1, read);
+    if (arguments.splits) count_splits(file.path, file.needs, read);
   } catch (const std::exception&) {
     file.error = error_of(file.path);  // what was planned before the geometry could not be read stays
   }

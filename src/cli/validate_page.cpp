@@ -238,15 +238,11 @@ std::string reference_text(const Assessment& assessment) {
 
 std::string findings_list(const MeshReport& report) {
   if (report.findings.empty()) return "<p>Nothing was found.</p>\n";
-  std::vector<const Finding*> worst_first;
-  for (const Finding& f : report.findings) worst_first.push_back(&f);
-  std::stable_sort(worst_first.begin(), worst_first.end(),
-                   [](const Finding* a, const Finding* b) { return a->severity > b->severity; });
   std::string rows;
-  for (const Finding* f : worst_first)
-    rows += "<li class=finding>" + badge(f->severity) + "<code>" + text(f->code) + "</code> <b>" +
-            std::to_string(f->count) + "</b><span class=message>" + text(f->message) +
-            "</span><span class=\"soft to-do\">" + text(f->to_do) + "</span></li>\n";
+  for (const Finding& f : report.findings)  // the worst first
+    rows += "<li class=finding>" + badge(f.severity) + "<code>" + text(f.code) + "</code> <b>" +
+            std::to_string(f.count) + "</b><span class=message>" + text(f.message) +
+            "</span><span class=\"soft to-do\">" + text(f.to_do) + "</span></li>\n";
   return "<ul class=findings>\n" + rows + "</ul>\n";
 }
 
