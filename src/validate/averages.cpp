@@ -51,8 +51,8 @@ Averages::Averages(const MeshUnderTest& under_test, const Accurate& accurate,
 
 bool Averages::tangent(std::uint32_t v, int sign) const {
   if (tangents_.empty()) return false;
-  if (sign != 0) return tangents_[place_of(v, sign)];
-  return tangents_[place_of(v, -1)] || tangents_[place_of(v, 1)];
+  if (sign != 0) return tangents_[signed_index(v, sign)];
+  return tangents_[signed_index(v, -1)] || tangents_[signed_index(v, 1)];
 }
 
 }  // namespace darboux

@@ -51,7 +51,7 @@ namespace darboux {
 
 // The index of an entry in vectors with two entries per vertex, one for its triangles of each raw sign:
 // clockwise first.
-inline std::size_t place_of(std::uint32_t v, int sign) {
+inline std::size_t signed_index(std::uint32_t v, int sign) {
   return 2 * std::size_t{v} + (sign > 0 ? 1 : 0);
 }
 

@@ -130,7 +130,7 @@ std::vector<bool> are_mikktspaces(const Mesh& mesh, std::span<const signed char>
   if (mikktspace.empty()) return result;
   for (std::size_t c = 0; c < mesh.corners(); ++c) {
     const std::uint32_t v = mesh.triangles[c / 3][c % 3];
-    const std::size_t place = place_of(v, raw_sign[c / 3]);
+    const std::size_t place = signed_index(v, raw_sign[c / 3]);
     if (raw_sign[c / 3] == 0 || !asked[place]) continue;
     const double deg = from_mikktspaces_deg(mesh, v, mikktspace.at(c, v));
     if (deg < 0) continue;

@@ -51,7 +51,7 @@ bool Signs::counts(std::uint32_t t) const {
 
 bool Signs::counts(std::uint32_t t, std::uint32_t v) const {
   if (!checks_[v].sign_valid || !checks_[v].has_tangent) return false;
-  if (!all_round_.empty() && all_round_[place_of(v, under_test_.raw_sign[t])]) return false;
+  if (!all_round_.empty() && all_round_[signed_index(v, under_test_.raw_sign[t])]) return false;
   if (!checks_[v].has_normal || under_test_.normals.all_oppose) return true;
   const Mesh& mesh = under_test_.mesh;
   const Vec3<double> plane = area_vector(mesh, mesh.triangles[t]);
