@@ -22,8 +22,6 @@
 namespace darboux {
 namespace {
 
-constexpr double orthogonal_tolerance = 0.02;    // of t·n
-constexpr double along_normal_tolerance = 0.26;  // 75 degrees
 constexpr double faceted_deg = 0.1;
 constexpr double most_against = 0.99;
 

@@ -30,7 +30,6 @@ namespace {
 
 constexpr double expected_agreement = 0.8;  // of two references; their error bars cover less on coarse meshes
 constexpr double agree_within = 0.1;        // of the limit: two references that differ by less are the same
-constexpr double most = 0.9;                // corners, for which one cause is named
 constexpr auto no_code = static_cast<Code>(corner_errors);
 
 // Angles are negative where there is nothing to compare.
@@ -424,7 +423,8 @@ void MeshValidation::add_errors(const CornerCounts& counts) {
       case Code::tangent_not_unit:
         return counts.tangent_lengths.text();
       case Code::tangent_not_orthogonal:
-        return " (|t.n| up to " + rounded(counts.most_along_normal, 3) + ", limit 0.26)";
+        return " (|t.n| up to " + rounded(counts.most_along_normal, 3) + ", limit " +
+               rounded(along_normal_tolerance, 2) + ")";
       case Code::tangent_angle:
         return text(counts.tangents, " outside the cone of their own triangles");
       case Code::normal_not_unit:
@@ -440,7 +440,7 @@ void MeshValidation::add_errors(const CornerCounts& counts) {
     if (counts.of_error[k] == 0) continue;
     Finding found = finding(code, counts.of_error[k], more(code));
     if (code == Code::tangent_not_orthogonal &&
-        static_cast<double>(counts.in_plane) >= most * static_cast<double>(counts.of_error[k])) {
+        static_cast<double>(counts.in_plane) >= explains_most * static_cast<double>(counts.of_error[k])) {
       found.message +=
           "; they lie much nearer to the plane of their triangles, so the normals may be the ones that are "
           "wrong";
@@ -474,7 +474,8 @@ void MeshValidation::add_warnings(const CornerCounts& counts) {
   warn(Code::normal_angle, counts.lit_otherwise, std::string(reasons::lit_otherwise.why),
        reasons::lit_otherwise);
   add(report_, warning(Code::tangent_not_orthogonal, counts.leaning,
-                       " (|t.n| > 0.02; above 0.26 an error where triangles have uv area)"));
+                       " (|t.n| > " + rounded(orthogonal_tolerance, 2) + "; above " +
+                           rounded(along_normal_tolerance, 2) + " an error where triangles have uv area)"));
   add(report_, finding(Code::pole_tangent, counts.poles.counted(),
                        " (worst " + rounded(counts.poles.worst, 4) + " deg)"));
 }
