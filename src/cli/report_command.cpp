@@ -50,6 +50,18 @@ std::string command_line_of(const ReportArguments& arguments,
   return line;
 }
 
+std::string default_text(int n) {
+  return " [" + std::to_string(n) + "]";
+}
+
+std::string default_text(double x) {
+  return " [" + shortest(x) + "]";
+}
+
+std::string default_text(const std::vector<int>& resolutions) {
+  return " [" + std::to_string(resolutions.front()) + ".." + std::to_string(resolutions.back()) + "]";
+}
+
 namespace {
 
 int parse_resolution(std::string_view text, int finest) {

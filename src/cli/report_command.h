@@ -40,6 +40,11 @@ void add_output_options(CLI::App& sub, ReportArguments& arguments, const std::st
 std::string command_line_of(const ReportArguments& arguments,
                             const std::vector<std::pair<const char*, std::string>>& others = {});
 
+/// How help texts show a default: " [24]"; of resolutions that double, " [8..128]".
+std::string default_text(int n);
+std::string default_text(double x);
+std::string default_text(const std::vector<int>& resolutions);
+
 /// "8..256" (doubling) or "8,16,32", of --resolutions; they grow. \param finest the largest number
 /// \throws ParameterError
 std::vector<int> parse_resolutions(const std::string& text, int finest);
