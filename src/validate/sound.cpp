@@ -267,6 +267,49 @@ std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& ha
   return result;
 }
 
+bool has_any(const std::vector<bool>& list) {
+  return std::find(list.begin(), list.end(), true) != list.end();
+}
+
+// NormalChecks::side. \param agreeing at the first vertex of each position and normal: triangles on its side,
+// less the others \param agrees vertices whose normals a triangle supports for certain
+std::vector<signed char> sides_of(const VertexJoins& joins, const std::vector<std::int32_t>& agreeing,
+                                  std::vector<bool> agrees) {
+  const std::vector<std::uint32_t>& group = joins.position_and_normal;
+  for (std::size_t v = 0; v < agrees.size(); ++v)
+    if (agrees[v]) agrees[group[v]] = true;
+  std::vector<signed char> side(agrees.size(), 0);
+  for (std::size_t v = 0; v < side.size(); ++v)
+    side[v] = agreeing[group[v]] < 0 ? -1 : agrees[group[v]] ? 1 : 0;
+  return side;
+}
+
+// NormalChecks::unsupported. \param opposes triangles that oppose all their normals \param asked vertices of
+// triangles with area whose normals have a direction \param supported those by a triangle of their own
+std::vector<bool> unsupported_normals(const Mesh& mesh, const std::vector<bool>& has_area,
+                                      const VertexJoins& joins, const std::vector<bool>& opposes,
+                                      const std::vector<bool>& asked, std::vector<bool> supported) {
+  const std::size_t n = mesh.positions.size();
+  std::vector<bool> result(n, false);
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (supported[v]) supported[joins.position_and_normal[v]] = true;
+  for (std::uint32_t v = 0; v < n; ++v)
+    result[v] = asked[v] && !supported[v] && !supported[joins.position_and_normal[v]];
+  if (!has_any(result)) return result;
+  // At sharp edges and tips no average is nearer.
+  const std::vector<bool> average = are_average_normals(mesh, joins, result);
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (average[v]) result[v] = false;
+  const std::vector<bool> inside = insides_of_hulls(mesh, has_area, opposes, result);
+  std::vector<bool> elsewhere(n, false);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (has_area[t] && !inside[t]) elsewhere[v] = true;
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (!elsewhere[v]) result[v] = false;
+  return result;
+}
+
 }  // namespace
 
 double cosine_between(const Vec3<double>& t, const Vec3<double>& n) {
@@ -319,8 +362,8 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   const double least = std::cos(supported_deg / degrees_per_radian),
                rounding = std::numbers::sqrt3 * half_step(mesh.half_steps.normal, 1);
   std::vector<bool> asked(n, false), supported(n, false), agrees(n, false);
-  std::vector<std::int32_t> agreeing(n,
-                                     0);  // triangles of the position and normal on its side, less the others
+  // Triangles on the side of a position and normal, less the others.
+  std::vector<std::int32_t> agreeing(n, 0);
   result.drawn.assign(n, false);
   result.faceted.assign(mesh.triangles.size(), false);
   result.opposes.assign(mesh.triangles.size(), false);
@@ -367,38 +410,14 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   }
   result.all_oppose =
       corners > 0 && static_cast<double>(against) >= most_against * static_cast<double>(corners);
-  for (std::uint32_t v = 0; v < n; ++v)
-    if (agrees[v]) agrees[joins.position_and_normal[v]] = true;
-  result.side.assign(n, 0);
-  for (std::uint32_t v = 0; v < n; ++v) {
-    const std::uint32_t group = joins.position_and_normal[v];
-    if (agreeing[group] < 0)
-      result.side[v] = -1;
-    else if (agrees[group])
-      result.side[v] = 1;
-  }
+  result.side = sides_of(joins, agreeing, std::move(agrees));
   result.unsupported.assign(n, false);
   result.sheet_border.assign(n, false);
   if (!result.all_oppose) {
-    for (std::uint32_t v = 0; v < n; ++v)
-      if (supported[v]) supported[joins.position_and_normal[v]] = true;
-    for (std::uint32_t v = 0; v < n; ++v)
-      result.unsupported[v] = asked[v] && !supported[v] && !supported[joins.position_and_normal[v]];
-    // At sharp edges and tips no average is nearer.
-    if (std::find(result.unsupported.begin(), result.unsupported.end(), true) != result.unsupported.end()) {
-      const std::vector<bool> average = are_average_normals(mesh, joins, result.unsupported);
-      for (std::uint32_t v = 0; v < n; ++v)
-        if (average[v]) result.unsupported[v] = false;
-      const std::vector<bool> inside = insides_of_hulls(mesh, has_area, result.opposes, result.unsupported);
-      std::vector<bool> elsewhere(n, false);
-      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-        for (const std::uint32_t v : mesh.triangles[t])
-          if (has_area[t] && !inside[t]) elsewhere[v] = true;
-      for (std::uint32_t v = 0; v < n; ++v)
-        if (!elsewhere[v]) result.unsupported[v] = false;
-      if (std::find(result.unsupported.begin(), result.unsupported.end(), true) != result.unsupported.end())
-        result.sheet_border = borders_of_sheets(mesh, has_area, planes, joins.position);
-    }
+    result.unsupported =
+        unsupported_normals(mesh, has_area, joins, result.opposes, asked, std::move(supported));
+    if (has_any(result.unsupported))
+      result.sheet_border = borders_of_sheets(mesh, has_area, planes, joins.position);
   }
   result.faceted_vertices.assign(n, false);
   if (!any_candidate) return result;
