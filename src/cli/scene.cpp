@@ -526,8 +526,8 @@ void add_scene(CLI::App& app, Common& common) {
                      "blue, out of view grey");
   CLI::Option* no_skip = sub.add_flag(
       "--no-skip", arguments->no_skip,
-      "also evaluate everything, every instance with all attributes, as fine as its nearest point "
-      "needs; write and draw that");
+      "also evaluate all instances in full, with all attributes, each as fine as its nearest point needs; "
+      "write and draw that");
   CLI::Option* no_cull =
       sub.add_flag(
              "--no-cull", arguments->no_cull,
