@@ -456,14 +456,6 @@ DeclaredFit fit_declared(const Mesh& mesh, const AnySurface& exact,
   return declared(data, *best, wanted);
 }
 
-MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {
-  check_consistent(mesh, "mesh");
-  if (std::optional<MeshFit> fit =
-          fit_kinds(mesh, placement, fitted_kinds(), UvMaps::any, triangle_signs(mesh)))
-    return std::move(*fit);
-  throw MeshError("mesh", "is none of the surfaces that can be fitted");
-}
-
 std::optional<MeshFit> fit_kinds(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement,
                                  std::span<const std::string_view> kinds, UvMaps maps,
                                  std::span<const signed char> signs) {
