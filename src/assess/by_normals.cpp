@@ -1,6 +1,5 @@
 #include "by_normals.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 

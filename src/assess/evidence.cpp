@@ -1,9 +1,7 @@
 #include "evidence.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <string_view>
 
 #include <darboux/ellipsoid.h>
 #include <darboux/frame.h>

@@ -4,6 +4,7 @@
 #include <iomanip>
 #include <iostream>
 #include <span>
+#include <tuple>
 
 #include <darboux/bake.h>
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <concepts>
 #include <cstdio>
 #include <limits>
-#include <type_traits>
 
 #include "base/parallel_jobs.h"
 #include "command.h"

@@ -1,6 +1,5 @@
 #include "map_arguments.h"
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "io/files.h"

@@ -7,7 +7,6 @@
 #include <numeric>
 #include <set>
 
-#include "base/base64.h"
 #include "base/counted.h"
 #include "report/colour_map.h"
 #include "report/histogram.h"

@@ -1,7 +1,5 @@
 #include "work_precision_study.h"
 
-#include <algorithm>
-
 #include <darboux/error.h>
 
 #include "report/work_precision_report.h"

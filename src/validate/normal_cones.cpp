@@ -11,7 +11,6 @@
 #include <span>
 
 #include <darboux/frame.h>
-#include <darboux/mesh_frames.h>
 
 #include "angles.h"
 #include "base/degrees.h"

@@ -1,14 +1,11 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <tuple>
 
 #include <darboux/error.h>
-#include <darboux/evaluate.h>
 #include <darboux/frame.h>
-#include <darboux/mesh_frames.h>
 #include <darboux/validate.h>
 
 #include "accurate.h"
