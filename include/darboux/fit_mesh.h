@@ -59,14 +59,14 @@ struct MeshFit : SurfaceUncertainty {
 /// / 100. Otherwise the result is the best of what was tried. Both limits are at least 1.5 times the rms
 /// distance that rounding of positions and uvs to floats, or to Mesh::half_steps, leaves; rounding of uvs
 /// counts up to 10 fits_below. (Where assess() finds a surface by uvs, the plain limits hold.) The
-/// start is in closed form, from least squares on P = O + sum_k A_k ∂P/∂p_k(u, v), linear in O and the A_k.
-/// Then Ceres minimises the sum of squared distances over at most 2048 random vertices; what fits these is
-/// refined on all vertices. Scale and offset of the data do not matter. Method: docs/theory/fit-with-uvs.md.
-/// A kind that is not among fitted_kinds() is taken as exact (the next overload), with default values for
-/// parameters that are not given. \param kind name, with the parameters that are held fixed \param placement
-/// held fixed when given \throws ParameterError for an unknown kind or parameter, or a placement that is not
-/// rigid; UndeterminedError; MeshError when the mesh is inconsistent, or the positions do not follow the uvs
-/// at all
+/// start comes in closed form, from least squares on P = O + sum_k A_k ∂P/∂p_k(u, v), linear in O and the
+/// A_k. Then Ceres minimises the sum of squared distances over at most 2048 random vertices; what fits these
+/// is refined on all vertices. Scale and offset of the data do not matter. Method:
+/// docs/theory/fit-with-uvs.md. A kind that is not among fitted_kinds() is taken as exact (the next
+/// overload), with default values for parameters that are not given. \param kind name, with the parameters
+/// that are held fixed \param placement held fixed when given \throws ParameterError for an unknown kind or
+/// parameter, or a placement that is not rigid; UndeterminedError; MeshError when the mesh is inconsistent,
+/// or the positions do not follow the uvs at all
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
