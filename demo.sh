@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds, and does the main job: validates a mesh that another tool made and writes a
 # convergence report. Runs from anywhere, and again.
-#   ./demo.sh          all of it
-#   ./demo.sh TOOL     with a tool that is built
+#   ./demo.sh                      all of it
+#   ./demo.sh TOOL [RESOLUTIONS]   with a tool that is built; RESOLUTIONS are those of the report, 8..128
 set -euo pipefail
 tool=${1:+$(realpath "$1")}
 cd "$(dirname "$0")"
@@ -19,6 +19,6 @@ echo "== The tangents three.js computed for a torus, against the truth"
 "$tool" validate tests/data/torus_032.three.glb
 echo
 echo "== How fast mesh tangents converge to the truth"
-"$tool" converge --surfaces torus --surfaces sphere --meshes regular,jittered --resolutions 8..128 -o "$report"
+"$tool" converge --surfaces torus --surfaces sphere --meshes regular,jittered --resolutions "${2:-8..128}" -o "$report"
 echo
 echo "The convergence report: $PWD/$report"

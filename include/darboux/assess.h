@@ -64,11 +64,11 @@ struct Assessment {
   std::vector<std::uint32_t> triangles{};
 };
 
-/// Assesses the mesh as one surface: fit_surface() or fit_any_surface(), else fit_positions(), else the other
-/// references. Adds to validate()'s findings: SURFACE_MISMATCH (error) where a declared surface is farther
-/// off than fits_below, SURFACE_UNKNOWN (info) where none is recognised, UV_MISSING (info)
-/// without uvs. \throws ParameterError for an unknown surface or parameter, MeshError for an inconsistent
-/// mesh
+/// Assesses the mesh as one surface: the declared one through uvs or positions, else any that the evidence
+/// supports (docs/theory/recognition.md), else the other references. Adds to validate()'s findings:
+/// SURFACE_MISMATCH (error) where a declared surface is farther off than fits_below, SURFACE_UNKNOWN (info)
+/// where none is recognised, UV_MISSING (info) without uvs. \throws ParameterError for an unknown surface or
+/// parameter, MeshError for an inconsistent mesh
 Assessment assess(const Mesh& mesh, const AssessOptions& options = {});
 
 /// The same, but if the whole mesh is no surface of the catalogue, each of its parts is assessed. A part is a

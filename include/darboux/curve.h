@@ -1,5 +1,17 @@
 /// \file curve.h
-/// Parametric curves, of which tubes, extrusions, ruled surfaces and surfaces of revolution are made.
+/// Parametric curves, of which tubes, extrusions, ruled surfaces and surfaces of revolution are made. A curve
+/// type has `kind`, the Coordinate of its parameter, and jet(t), the CurveJet at a prepared one, of any
+/// scalar. It may add
+///   using scalar                              the type of its data
+///   auto rebind<To>()                         the same curve over another scalar
+///   CurveFrame<S> moving_frame(t)             N and B of its own, which a tube needs
+///   S remaining_speed(t, r)                   speed - r bend, without cancellation
+///   S curvature(t)                            its curvature in closed form, signed as `bend`
+///   Vec3<S> second_formula(t)                 the position by another formula
+///   Status singular(t)                        crease where the tangent may jump
+///   std::string refusal()                     what is wrong with its data
+/// Exceptions are passed on; where a derivative is NaN or infinite its surfaces have no frame (no_frame,
+/// overflow).
 #pragma once
 
 #include <array>
@@ -32,23 +44,6 @@ struct CurveFrame {
   Vec3<S> T, N, B;
   S speed, bend, side, twist;
   S speed_rate, bend_rate, side_rate, twist_rate;  ///< their derivatives by t
-};
-
-/// A curve type: the kind of its parameter and the jet at a prepared one, of any scalar. It may add
-///   using scalar                              the type of its data
-///   auto rebind<To>()                         the same curve over another scalar
-///   CurveFrame<S> moving_frame(t)             N and B of its own, which a tube needs
-///   S remaining_speed(t, r)                   speed - r bend, without cancellation
-///   S curvature(t)                            its curvature in closed form, signed as `bend`
-///   Vec3<S> second_formula(t)                 the position by another formula
-///   Status singular(t)                        crease where the tangent may jump
-///   std::string refusal()                     what is wrong with its data
-/// Exceptions are passed on; where a derivative is NaN or infinite its surfaces have no frame (no_frame,
-/// overflow).
-template <class C>
-concept ParametricCurve = requires(const C& curve, const Prepared<C::kind, double>& t) {
-  { C::kind } -> std::convertible_to<Coordinate>;
-  { curve.jet(t) } -> std::same_as<CurveJet<double>>;
 };
 
 namespace detail {

@@ -58,14 +58,15 @@ struct MeshFit : SurfaceUncertainty {
 /// under one either, an affine map of the stored uvs, named "affine", is taken if its rms is below fits_below
 /// / 100. Otherwise the result is the best of what was tried. Both limits are at least 1.5 times the rms
 /// distance that rounding of positions and uvs to floats, or to Mesh::half_steps, leaves; rounding of uvs
-/// counts up to 10 fits_below. (fit_any_surface() has the plain limits.) The start is in closed form, from
-/// least squares on P = O + sum_k A_k ∂P/∂p_k(u, v), linear in O and the A_k. Then Ceres minimises the
-/// sum of squared distances over at most 2048 random vertices; what fits these is refined on all vertices.
-/// Scale and offset of the data do not matter. Method: docs/theory/fit-with-uvs.md. A kind that is not among
-/// fitted_kinds() is taken as exact (the next overload), with default values for parameters that are not
-/// given. \param kind name, with the parameters that are held fixed \param placement held fixed when given
-/// \throws ParameterError for an unknown kind or parameter, or a placement that is not rigid;
-/// UndeterminedError; MeshError when the mesh is inconsistent, or the positions do not follow the uvs at all
+/// counts up to 10 fits_below. (Where assess() finds a surface by uvs, the plain limits hold.) The
+/// start comes in closed form, from least squares on P = O + sum_k A_k ∂P/∂p_k(u, v), linear in O and the
+/// A_k. Then Ceres minimises the sum of squared distances over at most 2048 random vertices; what fits these
+/// is refined on all vertices. Scale and offset of the data do not matter. Method:
+/// docs/theory/fit-with-uvs.md. A kind that is not among fitted_kinds() is taken as exact (the next
+/// overload), with default values for parameters that are not given. \param kind name, with the parameters
+/// that are held fixed \param placement held fixed when given \throws ParameterError for an unknown kind or
+/// parameter, or a placement that is not rigid; UndeterminedError; MeshError when the mesh is inconsistent,
+/// or the positions do not follow the uvs at all
 MeshFit fit_surface(const Mesh& mesh, const SurfaceSpecification& kind,
                     const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
@@ -102,14 +103,9 @@ Truth truth_at(const MeshFit& fit, const Vec2<double>& stored);
 /// The same at many. Cost: two thirds of that each.
 std::vector<Truth> truths_at(const MeshFit& fit, std::span<const Vec2<double>> stored);
 
-/// The kinds of surface that can be fitted, in the order in which they are tried.
+/// The kinds of surface that can be fitted, in the order in which they are tried: plane, disk, sphere,
+/// cylinder, cone, torus, ellipsoid, then elliptic-paraboloid, hyperbolic-paraboloid, one-sheet-hyperboloid,
+/// two-sheet-hyperboloid, helicoid, catenoid, moebius-strip, klein-bottle, enneper.
 const std::vector<std::string_view>& fitted_kinds();
-
-/// Fits the fitted_kinds() in order and returns the first that fits, under the plain conventions first, then
-/// with affine uvs: plane, disk, sphere, cylinder, cone, torus, ellipsoid, then elliptic-paraboloid,
-/// hyperbolic-paraboloid, one-sheet-hyperboloid, two-sheet-hyperboloid, helicoid, catenoid, moebius-strip,
-/// klein-bottle, enneper. When none does, the best of them, `fits` false. About 10 passes over the vertices
-/// where one fits.
-MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement = std::nullopt);
 
 }  // namespace darboux

@@ -83,8 +83,7 @@ TangentNeeds tangent_need(const std::string& path, NeedLevel level = NeedLevel::
 
 /// How many vertices MikkTSpace's tangents would add to each primitive that needs them, as add_tangents()
 /// splits them. Reads the geometry of the file. \throws as add_tangents() does
-void count_splits(const std::string& path, TangentNeeds& needs, int threads = 1,
-                  const ReadOptions& options = {});
+void count_splits(const std::string& path, TangentNeeds& needs, const ReadOptions& options = {});
 
 /// A primitive that had the TANGENT it needs and no longer has it; or that lost NORMAL, without which viewers
 /// ignore TANGENT. The pointers are into the arguments of dropped_tangents().

@@ -244,6 +244,10 @@ constexpr Vec3<S> nan_vector() {
 }
 
 template <std::floating_point S>
+bool finite(const Vec2<S>& a) {
+  return std::isfinite(a.x) && std::isfinite(a.y);
+}
+template <std::floating_point S>
 bool finite(const Vec3<S>& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <span>
 
@@ -8,6 +7,7 @@
 
 #include "fit/common/kinds.h"
 #include "fit/fit_kinds.h"
+#include "mesh/used_vertices.h"
 #include "parts.h"
 #include "recognise.h"
 #include "surface_kind.h"
@@ -101,12 +101,6 @@ Assessment assessment_of(const MeshUnderTest& under_test, Recognition recognitio
   return result;
 }
 
-std::vector<bool> poles(const std::vector<Truth>& truth) {
-  std::vector<bool> result;
-  for (const Truth& t : truth) result.push_back(t.pole);
-  return result;
-}
-
 Assessment assess_whole(MeshUnderTest under_test, Recognition recognition, const AssessOptions& options) {
   classify_vertices(under_test, poles(recognition.truth), options);
   return assessment_of(under_test, std::move(recognition), options, options.declares_surface());
@@ -134,9 +128,9 @@ class PartSearch {
   using Triangles = Cutter::Triangles;
 
   // \param charted what recognise() is asked for
-  PartSearch(const MeshUnderTest& whole, const AssessOptions& options, Effort& effort,
+  PartSearch(const MeshUnderTest& whole, const AssessOptions& options, SearchBudget& budget,
              std::optional<std::string_view> charted)
-      : options_(options), effort_(effort), charted_(charted), cutter_(whole) {
+      : options_(options), budget_(budget), charted_(charted), cutter_(whole) {
     Triangles all(whole.mesh.triangles.size());
     std::iota(all.begin(), all.end(), 0);
     look_at(all, false);
@@ -195,14 +189,14 @@ class PartSearch {
   // The declared surface, else any.
   Recognition recognise_part(const MeshPart& part) {
     if (!options_.declares_surface())
-      return recognise(part.mesh, part.raw_sign, options_.placement, effort_, charted_);
+      return recognise(part.mesh, part.raw_sign, options_.placement, budget_, charted_);
     Recognition result = find_declared(part.mesh, part.raw_sign, options_, !charted_);
     if (result.fits() || charted_) return result;
-    return recognise(part.mesh, part.raw_sign, {}, effort_);  // the placement was the declared surface's
+    return recognise(part.mesh, part.raw_sign, {}, budget_);  // the placement was the declared surface's
   }
 
   const AssessOptions& options_;
-  Effort& effort_;
+  SearchBudget& budget_;
   std::optional<std::string_view> charted_;
   Cutter cutter_;
 };
@@ -238,11 +232,12 @@ std::vector<Assessment> assess_each(MeshUnderTest whole, std::vector<MeshPart> p
   return result;
 }
 
-Recognition recognise_whole(const MeshUnderTest& under_test, const AssessOptions& options, Effort& effort) {
+Recognition recognise_whole(const MeshUnderTest& under_test, const AssessOptions& options,
+                            SearchBudget& budget) {
   if (!options.references.analytic) return {};
   return options.declares_surface()
              ? find_declared(under_test.mesh, under_test.raw_sign, options)
-             : recognise(under_test.mesh, under_test.raw_sign, options.placement, effort);
+             : recognise(under_test.mesh, under_test.raw_sign, options.placement, budget);
 }
 
 // Where an assessment passes, parts that nothing could judge do not leave the mesh undetermined.
@@ -259,9 +254,9 @@ void close_what_is_left(std::vector<Assessment>& assessments) {
   }
 }
 
-void note_effort(MeshReport& report, const Effort& effort) {
-  add(report, finding(Code::parts_in_brief, effort.searched_briefly()));
-  add(report, finding(Code::budget_spent, effort.cut_short() ? std::max<std::size_t>(report.corners, 1) : 0));
+void note_budget(MeshReport& report, const SearchBudget& budget) {
+  add(report, finding(Code::parts_in_brief, budget.searched_briefly()));
+  add(report, finding(Code::budget_spent, budget.cut_short() ? std::max<std::size_t>(report.corners, 1) : 0));
 }
 
 // Calls assess_under_test(MeshUnderTest) with the uvs that the tangents follow, and says which they are where
@@ -288,8 +283,8 @@ std::vector<Assessment> assess_by_uvs_followed(const Mesh& mesh, const AssessOpt
 
 std::vector<Assessment> assess_whole_or_parts(MeshUnderTest under_test, const AssessOptions& options) {
   const Mesh& mesh = under_test.mesh;
-  Effort effort(options);
-  Recognition whole = recognise_whole(under_test, options, effort);
+  SearchBudget budget(options);
+  Recognition whole = recognise_whole(under_test, options, budget);
   // Uvs that are a surface's own tell more than positions do: parts with charts of their own, as the halves
   // of a mirrored one, go before a whole whose uvs say nothing.
   const bool uncharted = whole.fits() && whole.fit->chart == UvChart::unknown && !mesh.uvs.empty();
@@ -298,26 +293,24 @@ std::vector<Assessment> assess_whole_or_parts(MeshUnderTest under_test, const As
 
   std::optional<std::string_view> charted;
   if (uncharted) charted = whole.fit->surface.surface.info().name;
-  PartSearch parts(under_test, options, effort, charted);
+  PartSearch parts(under_test, options, budget, charted);
   if (uncharted && !parts.rest.empty()) parts.recognised.clear();
   if (options.declares_surface() && !parts.declared) parts.recognised.clear();
   if (parts.recognised.empty()) {
     Assessment result = assess_whole(std::move(under_test), std::move(whole), options);
     add(result.report, finding(Code::parts_too_many, parts.passed_over, " (counted in parts)"));
-    note_effort(result.report, effort);
+    note_budget(result.report, budget);
     return {std::move(result)};
   }
   if (!parts.rest.empty()) parts.recognised.push_back(parts.rest_as_part(whole));
   std::vector<Assessment> result = assess_each(std::move(under_test), std::move(parts.recognised), options);
   close_what_is_left(result);
-  std::vector<bool> used(mesh.positions.size(), false);
-  for (const Triangle& triangle : mesh.triangles)
-    for (const std::uint32_t v : triangle) used[v] = true;
+  const std::vector<bool> used = used_vertices(mesh);
   MeshReport& first = result.front().report;
   add(first, finding(Code::vertex_unreferenced,
                      static_cast<std::size_t>(std::count(used.begin(), used.end(), false))));
   add(first, finding(Code::parts_too_many, parts.passed_over, " (counted in parts)"));
-  note_effort(first, effort);
+  note_budget(first, budget);
   return result;
 }
 
@@ -325,11 +318,11 @@ std::vector<Assessment> assess_whole_or_parts(MeshUnderTest under_test, const As
 
 Assessment assess(const Mesh& mesh, const AssessOptions& options) {
   std::vector<Assessment> one = assess_by_uvs_followed(mesh, options, [&](MeshUnderTest under_test) {
-    Effort effort(options);
-    Recognition recognition = recognise_whole(under_test, options, effort);
+    SearchBudget budget(options);
+    Recognition recognition = recognise_whole(under_test, options, budget);
     std::vector<Assessment> result;
     result.push_back(assess_whole(std::move(under_test), std::move(recognition), options));
-    note_effort(result.front().report, effort);
+    note_budget(result.front().report, budget);
     return result;
   });
   return std::move(one.front());

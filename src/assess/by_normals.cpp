@@ -1,6 +1,5 @@
 #include "by_normals.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -11,6 +10,7 @@
 #include "base/text.h"
 #include "fit/fit_kinds.h"
 #include "mesh/triangle_signs.h"
+#include "mesh/used_vertices.h"
 
 namespace darboux {
 namespace {
@@ -24,7 +24,7 @@ struct Oriented {
   Vector3d p, n;  // over the size, about the centre; unit
 };
 
-// Where a surface of revolution lies: its axis, and (u, v) of a position.
+// The axis of a surface of revolution, and its lengths in units of the mesh's size.
 struct Axis {
   Vector3d point, direction;
   double radius = 0, tube = 0;  // of a torus
@@ -32,9 +32,7 @@ struct Axis {
 };
 
 std::vector<Oriented> oriented_of(const Mesh& mesh, const Shape& shape) {
-  std::vector<bool> used(mesh.positions.size(), false);
-  for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t v : t) used[v] = true;
+  const std::vector<bool> used = used_vertices(mesh);
   std::vector<Oriented> result;
   constexpr std::size_t most = 2000;
   for (const std::size_t v : evenly_chosen(used.size(), most)) {
@@ -151,7 +149,7 @@ std::optional<Axis> torus(const std::vector<Oriented>& list) {
 }  // namespace
 
 std::optional<MeshFit> fit_by_normals(const Mesh& mesh, const Shape& shape, SurfaceKind kind) {
-  if (mesh.normals.empty() || shape.faceted > 0.5) return std::nullopt;
+  if (mesh.normals.empty() || shape.is_faceted()) return std::nullopt;
   const std::vector<Oriented> list = oriented_of(mesh, shape);
   if (list.size() < fewest) return std::nullopt;
   std::optional<Axis> axis;

@@ -1,9 +1,7 @@
 #include "evidence.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <string_view>
 
 #include <darboux/ellipsoid.h>
 #include <darboux/frame.h>
@@ -11,6 +9,7 @@
 
 #include "base/evenly_chosen.h"
 #include "base/text.h"
+#include "mesh/used_vertices.h"
 #include "surface_kind.h"
 
 namespace darboux {
@@ -172,9 +171,7 @@ struct Normals {
 // \param on_axis how near to the axis of the placement a position is a tip, which has no normal; negative:
 // there is no axis
 Normals compare_normals(const Mesh& mesh, const MeshFit& fit, double on_axis) {
-  std::vector<bool> used(mesh.positions.size(), false);
-  for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t v : t) used[v] = true;
+  const std::vector<bool> used = used_vertices(mesh);
   Mesh few;
   few.half_steps = mesh.half_steps;
   const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
@@ -224,17 +221,16 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
     orbits = rings(mesh, shape, placement);
   } else {
     orbits.count = lengths(mesh, shape, fit);
-    // Positions that a lathe or a mirror puts onto a ball together count once, about whatever axis.
-    if (prior.symmetry == Symmetry::sphere)
+    if (prior.symmetry == Symmetry::sphere) {
+      // Positions that a lathe or a mirror puts onto a ball together count once, about whatever axis.
       orbits.count = std::min(orbits.count, folded(mesh, shape, placement));
-    if (prior.symmetry == Symmetry::sphere)
-      for (int axis = 0; axis < 3; ++axis) {
+      for (int axis = 0; axis < 3; ++axis)
         for (const Eigen::Matrix3d& frame : {Eigen::Matrix3d(placement.linear()), shape.axes}) {
           Eigen::Isometry3d turned = placement;
           turned.linear() << frame.col((axis + 1) % 3), frame.col((axis + 2) % 3), frame.col(axis);
           orbits.count = std::min(orbits.count, rings(mesh, shape, turned).count);
         }
-      }
+    }
   }
   const bool own = fit.chart == UvChart::own, affine = has_affine_uvs(fit);
   const bool ruled = prior.kind == SurfaceKind::cylinder || prior.kind == SurfaceKind::cone;
@@ -251,7 +247,7 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   // Normals that are the surface's and not their triangles'.
   double normals = 0;
   Normals compared;
-  const bool faceted = shape.faceted > 0.5;
+  const bool faceted = shape.is_faceted();
   if (!mesh.normals.empty() && !faceted) {
     compared = compare_normals(mesh, fit, prior.symmetry == Symmetry::axis ? same * shape.size : -1);
     if (compared.compared > 0)
@@ -263,10 +259,10 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   } else if (faceted) {
     normals = -4;
   }
-  // A ring of eight sides or more with smooth normals is meant round.
   // Without normals and uvs of its own a surface says nothing that is assessed, and positions alone must say
   // more.
   const double mute = !own && mesh.normals.empty() ? -2 : 0;
+  // A ring of eight sides or more with smooth normals is meant round.
   const double round = orbits.sides >= 8 && (normals > 0 || (own && mesh.normals.empty())) ? 2 : 0;
   const double fine = shape.turn_deg <= 15 ? 2 : shape.turn_deg <= 31 ? 1 : 0;
   result.log10_odds += positions + uvs + normals + mute + round + fine;

@@ -6,6 +6,7 @@
 
 #include <darboux/frame.h>
 
+#include "base/degrees.h"
 #include "base/disjoint_sets.h"
 #include "mesh/frames/creases.h"
 #include "mesh/frames/rings.h"

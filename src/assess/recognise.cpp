@@ -12,9 +12,11 @@
 #include "by_normals.h"
 #include "evidence.h"
 #include "fit/fit_kinds.h"
+#include "mesh/area_vector.h"
 #include "mesh/triangle_signs.h"
 #include "shape.h"
 #include "surface_kind.h"
+#include "validate/consistent.h"
 
 namespace darboux {
 namespace {
@@ -77,12 +79,8 @@ bool runs_along_triangles(const Mesh& mesh, const MeshFit& fit) {
   const std::vector<Truth> truth = truths(few, fit, signs);
   std::size_t compared = 0, along = 0;
   for (std::size_t t = 0; t < few.triangles.size(); ++t) {
-    const auto& [a, b, c] = few.triangles[t];
-    const double dv1 = signs[t] * (few.uvs[b].y - few.uvs[a].y),
-                 dv2 = signs[t] * (few.uvs[c].y - few.uvs[a].y);
-    const Vec3<double> dpdu =
-        dv2 * (few.positions[b] - few.positions[a]) - dv1 * (few.positions[c] - few.positions[a]);
-    for (const std::uint32_t v : {a, b, c}) {
+    const Vec3<double> dpdu = direction_of_dpdu(few, few.triangles[t], signs[t]);
+    for (const std::uint32_t v : few.triangles[t]) {
       const double cosine = dot(dpdu, truth[v].tangent);
       if (truth[v].pole || !(cosine < 0 || cosine > 0)) continue;
       ++compared;
@@ -92,7 +90,7 @@ bool runs_along_triangles(const Mesh& mesh, const MeshFit& fit) {
   return 2 * along >= compared;
 }
 
-Effort::Outline outline(const Mesh& mesh, const Shape& shape) {
+SearchBudget::Outline outline(const Mesh& mesh, const Shape& shape) {
   const auto digits = [](double x, double step) { return static_cast<std::size_t>(std::llround(x / step)); };
   std::size_t of_uvs = 0;
   for (const Vec2<double>& uv : mesh.uvs)
@@ -100,8 +98,7 @@ Effort::Outline outline(const Mesh& mesh, const Shape& shape) {
   double along = 0;  // of the triangles' normals
   for (const Triangle& t : mesh.triangles) {
     if (mesh.normals.empty()) break;
-    const Vec3<double>& a = mesh.positions[t[0]];
-    const Vec3<double> n = cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
+    const Vec3<double> n = area_vector(mesh, t);
     for (const std::uint32_t v : t)
       if (const double cosine = dot(unit(n), unit(mesh.normals[v])); std::isfinite(cosine)) along += cosine;
   }
@@ -118,12 +115,12 @@ Effort::Outline outline(const Mesh& mesh, const Shape& shape) {
 class Search {
  public:
   Search(const Mesh& mesh, std::span<const signed char> signs,
-         const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
+         const std::optional<Eigen::Isometry3d>& placement, SearchBudget& budget,
          std::optional<std::string_view> charted)
       : mesh_(mesh),
         signs_(signs),
         placement_(placement),
-        effort_(effort),
+        budget_(budget),
         charted_(charted),
         shape_(shape_of(mesh)) {}
 
@@ -142,14 +139,14 @@ class Search {
       reject(std::move(*against));
       return std::move(result_);
     }
-    const Effort::Outline its_outline = outline(mesh_, shape_);
-    const bool has_failed = !charted_ && effort_.has_failed(its_outline);
-    if (has_failed || effort_.spent()) {
+    const SearchBudget::Outline its_outline = outline(mesh_, shape_);
+    const bool has_failed = !charted_ && budget_.has_failed(its_outline);
+    if (has_failed || budget_.spent()) {
       result_.reason = has_failed ? ": similar parts matched no surface" : ": the time for it ran out";
       return std::move(result_);
     }
     look_for_surface();
-    if (!result_.fits() && !charted_ && !effort_.cut_short()) effort_.failed(its_outline);
+    if (!result_.fits() && !charted_ && !budget_.cut_short()) budget_.failed(its_outline);
     return std::move(result_);
   }
 
@@ -262,19 +259,19 @@ class Search {
     std::vector<std::string_view> kinds;
     for (const std::string_view kind : fitted_kinds())
       if (!ruled_out(kind)) kinds.push_back(kind);
-    if (effort_.must_be_brief()) {
+    if (budget_.count_if_brief()) {
       if (auto fit = by_uvs(kinds, UvMaps::plain); fit && weigh(std::move(*fit))) return;
       for (const std::string_view kind : found_in_brief)
-        if (!ruled_out(kind) && !effort_.spent() && weigh_by_places(kind, true)) return;
+        if (!ruled_out(kind) && !budget_.spent() && weigh_by_places(kind, true)) return;
       return;
     }
     if (auto fit = by_uvs(kinds, UvMaps::plain))
       if (weigh(std::move(*fit))) return;
     for (const std::string_view kind : found_kinds()) {
-      if (kind_of(kind) == SurfaceKind::plane || ruled_out(kind) || effort_.spent()) continue;
+      if (kind_of(kind) == SurfaceKind::plane || ruled_out(kind) || budget_.spent()) continue;
       if (weigh_by_places(kind, false)) return;
     }
-    if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !effort_.may_search_affine(shape_))
+    if (shape_.places.size() < fewest_under_a_map || mesh_.uvs.empty() || !budget_.may_search_affine(shape_))
       return;
     if (auto fit = by_uvs(kinds, UvMaps::affine)) weigh(std::move(*fit));
   }
@@ -282,7 +279,7 @@ class Search {
   const Mesh& mesh_;
   std::span<const signed char> signs_;
   const std::optional<Eigen::Isometry3d>& placement_;
-  Effort& effort_;
+  SearchBudget& budget_;
   std::optional<std::string_view> charted_;
   Shape shape_;
   Recognition result_;
@@ -292,7 +289,7 @@ constexpr std::size_t thorough_failures = 12, numbers_of_shape = 5;
 
 }  // namespace
 
-Effort::Effort(const AssessOptions& options)
+SearchBudget::SearchBudget(const AssessOptions& options)
     : history_(options.history ? *options.history : own_), failed_before_(history_.failed.size()) {
   if (options.budget)
     until_ =
@@ -300,13 +297,13 @@ Effort::Effort(const AssessOptions& options)
                                                std::chrono::duration<double>(*options.budget));
 }
 
-bool Effort::spent() const {
+bool SearchBudget::spent() const {
   const bool spent = until_ && std::chrono::steady_clock::now() >= *until_;
   cut_short_ = cut_short_ || spent;
   return spent;
 }
 
-bool Effort::has_failed(const Outline& outline) const {
+bool SearchBudget::has_failed(const Outline& outline) const {
   const std::span<const Outline> before(history_.failed.data(), failed_before_),
       here = std::span<const Outline>(history_.failed).subspan(failed_before_);
   return std::find(before.begin(), before.end(), outline) != before.end() ||
@@ -315,25 +312,26 @@ bool Effort::has_failed(const Outline& outline) const {
          });
 }
 
-bool Effort::must_be_brief() {
+bool SearchBudget::count_if_brief() {
   const bool brief = history_.failed.size() >= thorough_failures;
   searched_briefly_ += brief;
   return brief;
 }
 
-void Effort::failed(const Outline& outline) {
+void SearchBudget::failed(const Outline& outline) {
   history_.failed.push_back(outline);
 }
 
-bool Effort::may_search_affine(const Shape& shape) {
+bool SearchBudget::may_search_affine(const Shape& shape) {
   if (!one_chart_) one_chart_ = shape.one_chart;
-  return *one_chart_ && shape.one_chart && affine_ > 0 && !spent() && affine_-- > 0;
+  if (!*one_chart_ || !shape.one_chart || affine_searched_ || spent()) return false;
+  return affine_searched_ = true;
 }
 
 Recognition recognise(const Mesh& mesh, std::span<const signed char> signs,
-                      const std::optional<Eigen::Isometry3d>& placement, Effort& effort,
+                      const std::optional<Eigen::Isometry3d>& placement, SearchBudget& budget,
                       std::optional<std::string_view> charted) {
-  return Search(mesh, signs, placement, effort, charted).result();
+  return Search(mesh, signs, placement, budget, charted).result();
 }
 
 }  // namespace darboux

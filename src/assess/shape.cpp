@@ -29,7 +29,6 @@ constexpr double clear = 1e-3;                     // of the largest eigenvalue 
 constexpr std::size_t fewest = 8;                  // positions
 constexpr double most_polyhedral = 0.2;            // of the edges that turn
 constexpr std::size_t many_places = 1000;  // beyond which folds, as of Schwarz's lantern, tell nothing
-constexpr double most_faceted = 0.5;
 // Many small facets of equal turns are a surface all the same.
 constexpr std::size_t fine_places = 48;
 constexpr double fine_turn_deg = 35;
@@ -301,8 +300,7 @@ std::optional<Evidence> against_any_surface(const Shape& shape) {
   if (shape.turning > 0 && shape.moderate < 1 - most_polyhedral && shape.places.size() < many_places)
     return against("polyhedron", rounded(100 * (1 - shape.moderate), 3) +
                                      " % of its edges turn by more than " + rounded(crease_deg, 3) + " deg");
-  if (shape.faceted > most_faceted &&
-      !(shape.places.size() >= fine_places && shape.turn_deg <= fine_turn_deg))
+  if (shape.is_faceted() && !(shape.places.size() >= fine_places && shape.turn_deg <= fine_turn_deg))
     return against("faceted",
                    rounded(100 * shape.faceted, 3) + " % of its triangles store their own normals");
   return std::nullopt;

@@ -30,6 +30,8 @@ struct Shape {
   // Whether uvs may be a surface's own, or an affine map of them: such uvs jump by one or two periods across
   // a seam, not by a different vector at every vertex, as between the islands of an atlas.
   bool one_chart = true;
+
+  bool is_faceted() const { return faceted > 0.5; }
 };
 
 Shape shape_of(const Mesh& mesh);

@@ -23,10 +23,6 @@ bool counts(const NormalTexture& texture, const ChosenPrimitives& only) {
 
 }  // namespace
 
-bool is_gltf_file(const std::string& path) {
-  return io::is_gltf(path);
-}
-
 MapSource map_source(const std::string& path, const std::optional<ChosenPrimitives>& only,
                      const ReadOptions& options) {
   if (!io::is_gltf(path)) {

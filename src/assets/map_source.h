@@ -22,9 +22,6 @@ struct MapSource {
   ChosenPrimitives primitives{};  ///< of a glTF: those that have it
 };
 
-/// Whether a regular file is a glTF, by its content or its extension. \throws FileError
-bool is_gltf_file(const std::string& path);
-
 /// \param only of a glTF, the primitives that count; all where there are none. Nothing: the caller has no
 /// --primitive that would choose, and no message advises it
 /// \throws FileError where a glTF has no normal texture, or several

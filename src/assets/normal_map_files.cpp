@@ -5,6 +5,7 @@
 
 #include "assets/texture_uvs.h"
 #include "base/text.h"
+#include "io/files.h"
 #include "io/gltf_file.h"
 #include "io/tangent_space.h"
 

@@ -234,11 +234,10 @@ TangentNeeds tangent_need(const std::string& path, NeedLevel level, const ReadOp
   return Planner(file, level).plan();
 }
 
-void count_splits(const std::string& path, TangentNeeds& needs, int threads, const ReadOptions& options) {
+void count_splits(const std::string& path, TangentNeeds& needs, const ReadOptions& options) {
   GltfDocument document = GltfDocument::load(path, options);
   FileTangentOptions needed;
   needed.only_needed = true;
-  needed.threads = threads;
   const FileTangents made = add_tangents(document, needed);
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> added;
   for (const PrimitiveTangents& p : made.primitives)

@@ -4,6 +4,7 @@
 #include <iomanip>
 #include <iostream>
 #include <span>
+#include <tuple>
 
 #include <darboux/bake.h>
 
@@ -32,7 +33,7 @@ struct Place {
 
 // As it is, where the mesh lies on it; else where fit_surface() puts it and as that reads the uvs. Its
 // parameters are not fitted. \throws FileError where the mesh is none of this surface
-Place place_of(const AnySurface& surface, std::span<const MapPiece> pieces, const std::string& file) {
+Place placed_on(const AnySurface& surface, std::span<const MapPiece> pieces, const std::string& file) {
   const PlacedSurface as_is{surface};
   const auto has_uvs = [](const MapPiece& piece) { return !piece.mesh.uvs.empty(); };
   if (!std::all_of(pieces.begin(), pieces.end(), has_uvs)) return {as_is};  // which is refused
@@ -50,12 +51,6 @@ Place place_of(const AnySurface& surface, std::span<const MapPiece> pieces, cons
                                      std::isinf(off) ? "one at whose uvs the surface has no value"
                                                      : "one that is off it by " + rounded(100 * off, 3) +
                                                            " % of its size (rms) at its uvs"));
-}
-
-Json numbers(std::span<const double> values) {
-  Json json = Json::array();
-  for (const double x : values) json.push_back(number(x));
-  return json;
 }
 
 Json report_json(const BakeArguments& a, const Place& place, const BakeResult& r,
@@ -143,7 +138,7 @@ void run_bake(const BakeArguments& a, Common& common) {
   check_map_memory(a.output, 3 * sizeof(float) * texels, texels, 3, options.type, common.read);
   MapOutputs outputs(a.output, a.report);
   const std::vector<MapPiece> pieces = map_pieces(a, common, false);
-  const Place place = place_of(surface, pieces, a.mesh);
+  const Place place = placed_on(surface, pieces, a.mesh);
   BakeResult result;
   {
     Progress progress("bake", common);

@@ -107,8 +107,14 @@ Json array(const Vec3<double>& a) {
   return {number(a.x), number(a.y), number(a.z)};
 }
 
+Json numbers(std::span<const double> values) {
+  Json json = Json::array();
+  for (const double x : values) json.push_back(number(x));
+  return json;
+}
+
 std::string utf8(const std::string& text) {
-  return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
+  return Json::parse(json_text(text, -1)).get<std::string>();
 }
 
 double parse_finite(const std::string& subject, std::string_view text) {
@@ -220,6 +226,18 @@ AnySurface surface_argument(std::string_view text) {
   return formula ? read_formula_surface(file, parameters) : read_surface_file(name, file);
 }
 
+std::string primitive_text(std::size_t mesh, std::size_t primitive, const std::string& name) {
+  return "mesh " + std::to_string(mesh) + " primitive " + std::to_string(primitive) +
+         (name.empty() ? "" : " (" + one_line(name) + ")");
+}
+
+Json skipped_json(const std::vector<SkippedPrimitive>& skipped) {
+  Json json = Json::array();
+  for (const SkippedPrimitive& s : skipped)
+    json.push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
+  return json;
+}
+
 void print_error(std::string_view message) {
   std::cerr << "darboux: " << message_line(message) << '\n';
 }
@@ -236,8 +254,12 @@ std::string error_of(const std::string& file) {
   }
 }
 
+std::string json_text(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
 void print_json(const Json& json) {
-  std::cout << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  std::cout << json_text(json) << '\n';
 }
 
 Progress::Progress(std::string label, const Common& common)

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +18,7 @@
 
 #include <darboux/any_surface.h>
 #include <darboux/error.h>
+#include <darboux/frame.h>
 #include <darboux/io.h>
 #include <darboux/statistics.h>
 #include <darboux/vector.h>
@@ -54,6 +57,9 @@ struct Choice {
     return static_cast<E>(std::find(names.begin(), names.end(), name) - names.begin());
   }
 };
+
+/// What --sign takes, in the order of SignConvention.
+inline constexpr Choice<SignConvention, 2> sign_conventions{{"gltf", "raw"}};
 
 /// A check for options: digits only, and a number from `least` to `most`.
 CLI::Validator whole_number_between(std::uint64_t least, std::uint64_t most);
@@ -96,6 +102,7 @@ void add_merge(CLI::App& app, Common& common);
 /// A number as JSON: null for NaN and infinities, else printed so that it reads back to the same bits.
 Json number(double x);
 Json array(const Vec3<double>& a);
+Json numbers(std::span<const double> values);
 /// A text as JSON shows it: what is not UTF-8 becomes U+FFFD.
 std::string utf8(const std::string& text);
 
@@ -129,11 +136,24 @@ Json statistics_json(const Statistics& statistics);
 /// Standard deviations as JSON, for every command alike.
 Json spread_json(const Spread& spread);
 
+/// "mesh 0 primitive 1", and " (NAME)" where it has a name.
+std::string primitive_text(std::size_t mesh, std::size_t primitive, const std::string& name = {});
+template <class NamedPrimitive>
+std::string primitive_text(const NamedPrimitive& p) {
+  return primitive_text(p.mesh, p.primitive, p.name);
+}
+
+/// What a reader or a command leaves alone as JSON, for every command alike.
+Json skipped_json(const std::vector<SkippedPrimitive>& skipped);
+
 /// Prints "darboux: MESSAGE" as one line on stderr, whatever a library or a file put into the message.
 void print_error(std::string_view message);
 
 /// The error that is being handled, of a file: with the file's name, also where a library does not know it.
 std::string error_of(const std::string& file);
+
+/// JSON as text, on one line where `indent` is -1; what is not UTF-8 becomes U+FFFD.
+std::string json_text(const Json& json, int indent = 2);
 
 /// Prints one JSON document to stdout.
 void print_json(const Json& json);

@@ -87,10 +87,7 @@ Json pair_json(const Pair& pair) {
     json["equal_bits"] = number(share(r.equal_bits, r.matched));
     json["equal_directions"] = number(share(r.equal_directions, r.matched));
   }
-  if (r.tangent_deg)
-    json["tangent_deg"] = {{"max", number(r.tangent_deg->max)},
-                           {"rms", number(r.tangent_deg->rms)},
-                           {"p95", number(r.tangent_deg->p95)}};
+  if (r.tangent_deg) json["tangent_deg"] = statistics_json(*r.tangent_deg);
   if (r.sign != SignAgreement::none) json["sign"] = name_in(sign_agreement_names, r.sign);
   if (r.a_is_raw) json["conventions"] = {*r.a_is_raw ? "raw" : "gltf", *r.a_is_raw ? "gltf" : "raw"};
   if (r.worst) json["worst"] = worst_json(pair);
@@ -107,20 +104,7 @@ Json left_over_json(const std::vector<std::size_t>& left_over, const Asset& asse
   return json;
 }
 
-Json skipped_json(const Asset& asset) {
-  Json json = Json::array();
-  for (const SkippedPrimitive& s : asset.skipped)
-    json.push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
-  return json;
-}
-
 // ---- for people -------------------------------------------------------------------------------------------
-
-std::string place(const Primitive& p) {
-  std::string text = "mesh " + std::to_string(p.mesh) + " primitive " + std::to_string(p.primitive);
-  if (!p.name.empty()) text += " (" + one_line(p.name) + ")";
-  return text;
-}
 
 // Never "100 %" for less than all.
 std::string percent(std::size_t count, std::size_t of) {
@@ -200,8 +184,8 @@ const char* verdict(bool same, bool nothing) {
 
 void print_pair(const Pair& pair) {
   const auto& [a, b, r] = pair;
-  std::cout << "  " << place(a);
-  if (a.mesh != b.mesh || a.primitive != b.primitive) std::cout << " against " << place(b);
+  std::cout << "  " << primitive_text(a);
+  if (a.mesh != b.mesh || a.primitive != b.primitive) std::cout << " against " << primitive_text(b);
   std::cout << ": " << verdict(r.same, compares_nothing(pair)) << ", ";
   if (r.matched == r.corners_a && r.matched == r.corners_b)
     std::cout << (r.matched == 1 ? "the " : "all ") << counted(r.matched, "corner") << " matched\n";
@@ -225,13 +209,13 @@ void print_pair(const Pair& pair) {
 
 void print_left_over(const char* file, const std::vector<std::size_t>& left_over, const Asset& asset) {
   for (const std::size_t i : left_over)
-    std::cout << "  " << place(asset.primitives[i]) << " of " << file << " has no counterpart, "
+    std::cout << "  " << primitive_text(asset.primitives[i]) << " of " << file << " has no counterpart, "
               << counted(asset.primitives[i].data.corners(), "corner") << '\n';
 }
 
 void print_skipped(const char* file, const Asset& asset) {
   for (const SkippedPrimitive& s : asset.skipped)
-    std::cout << "  mesh " << s.mesh << " primitive " << s.primitive << " of " << file
+    std::cout << "  " << primitive_text(s.mesh, s.primitive) << " of " << file
               << " not compared: " << s.reason << '\n';
 }
 
@@ -261,8 +245,8 @@ void run_compare(const CompareArguments& arguments, Common& common) {
                        {"pairs", list},
                        {"only_a", left_over_json(found.only_a, a)},
                        {"only_b", left_over_json(found.only_b, b)},
-                       {"skipped_a", skipped_json(a)},
-                       {"skipped_b", skipped_json(b)},
+                       {"skipped_a", skipped_json(a.skipped)},
+                       {"skipped_b", skipped_json(b.skipped)},
                        {"same", same}});
   }
   const bool nothing = std::all_of(pairs.begin(), pairs.end(), compares_nothing) && found.only_a.empty() &&

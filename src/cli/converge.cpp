@@ -189,12 +189,13 @@ void add_converge(CLI::App& app, Common& common) {
   list("--meshes", arguments->meshes, "some of " + meshes + " [jittered,regular,sheared]");
   sub.add_option("--resolutions", arguments->resolutions,
                  "rows of the meshes, with twice as many columns (lantern: 2 sqrt(rows)): 8..256 (doubling) "
-                 "or 8,16,32; at least "
-                 "three [8..128]");
+                 "or 8,16,32; at least three" +
+                     default_text(ConvergeChoices{}.resolutions));
   sub.add_option("--v-range", arguments->v_range, "mesh only this range of v: FIRST,LAST in [0, 1] [0,1]");
   sub.add_option("--seed", arguments->seed, "seed of the first random mesh [1]")->check(whole_number);
   sub.add_option("--seeds", arguments->seeds,
-                 "random meshes per resolution (one above 256 rows); their spread widens the intervals [3]")
+                 "random meshes per resolution (one above 256 rows); their spread widens the intervals" +
+                     default_text(ConvergeChoices{}.seeds))
       ->check(whole_number_between(1, most_seeds));
   add_report_options(
       sub, arguments->report,

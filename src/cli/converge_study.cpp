@@ -1,5 +1,6 @@
 #include "converge_study.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <darboux/error.h>
@@ -9,16 +10,6 @@
 
 namespace darboux {
 namespace {
-
-void read_resolutions(const io::JsonCursor& list, std::vector<int>& resolutions) {
-  if (!list.json().is_array() || list.size() < 3) list.fail("a list of at least three numbers that grow");
-  resolutions.clear();
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const auto n = static_cast<int>(list.at(i).integer(2, finest_rows));
-    if (i > 0 && n <= resolutions.back()) list.at(i).fail("numbers that grow");
-    resolutions.push_back(n);
-  }
-}
 
 void read_range(const io::JsonCursor& range, ConvergeChoices& choices) {
   if (!range.json().is_array() || range.size() != 2) range.fail("a list of two numbers");
@@ -94,22 +85,15 @@ void read_converge_study(const std::string& file, ConvergeChoices& choices) {
   const auto study = io::JsonCursor::with_pointers(file, json);
   study.expect_keys({"$schema", "command", "preset", "surfaces", "methods", "meshes", "resolutions",
                      "v_range", "seed", "seeds"});
-  if (const auto command = study.at("command"); command.text() != "converge") command.fail("\"converge\"");
-  if (study.has("preset")) {
-    const auto preset = study.at("preset");
-    const auto choices_of = preset_named(preset.text());
-    if (!choices_of) preset.fail(preset_names);
-    choices = *choices_of;
-  }
-  if (study.has("surfaces"))
-    read_names(study.at("surfaces"), choices.surfaces, [](const auto& name) { surface_argument(name); });
+  read_common(study, "converge", preset_named, choices);
   if (study.has("methods"))
     read_names(study.at("methods"), choices.methods, [](const auto& name) { find_frame_method(name); });
   if (study.has("meshes"))
     read_names(study.at("meshes"), choices.meshes, [](const auto& name) { find_mesh_family(name); });
-  if (study.has("resolutions")) read_resolutions(study.at("resolutions"), choices.resolutions);
+  if (study.has("resolutions"))
+    read_resolutions(study.at("resolutions"), 3, "a list of at least three numbers that grow", finest_rows,
+                     choices.resolutions);
   if (study.has("v_range")) read_range(study.at("v_range"), choices);
-  if (study.has("seed")) choices.seed = study.at("seed").integer();
   if (study.has("seeds")) choices.seeds = static_cast<int>(study.at("seeds").integer(1, most_seeds));
 }
 
@@ -143,18 +127,10 @@ std::vector<Study> run_converge_study(const ConvergeOptions& options, const Stud
                       return samples;
                     }});
   const std::vector<Json> results = run_study(identity, jobs, study, progress);
-  jobs_done = 0;
   std::vector<std::vector<LevelSample>> of_job(jobs.size());
-  for (std::size_t i = 0; i < jobs.size(); ++i) {
-    if (results[i].is_null()) continue;
-    ++jobs_done;
-    try {
-      for (const Json& sample : results[i]) of_job[i].push_back(sample_of(sample, pieces[i].resolution));
-    } catch (const Json::exception&) {
-      throw FileError(study.results,
-                      "job " + std::to_string(i) + ": expected samples of converge, got others");
-    }
-  }
+  take_results(results, study.results, "samples of converge", jobs_done, [&](std::size_t i, const Json& all) {
+    for (const Json& sample : all) of_job[i].push_back(sample_of(sample, pieces[i].resolution));
+  });
   return conclude_studies(options, pieces, of_job);
 }
 

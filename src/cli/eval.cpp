@@ -37,7 +37,8 @@ std::vector<const EvalAttribute*> choose(const std::string& names, FrameFormat f
   const std::vector<std::string> known = attribute_names();
   std::vector<std::string> asked = split(names, ',');
   if (names.empty()) {
-    // CSV and bare numbers: as many columns as there always were.
+    // CSV and bare numbers: the attributes of batches alone, so that adding others to eval changes no
+    // columns.
     asked.assign(known.begin(),
                  known.begin() + (format == FrameFormat::json ? known.size() : attribute_count));
     if (format == FrameFormat::table) asked = {"position", "tangent", "bitangent", "normal", "handedness"};

@@ -1,7 +1,6 @@
 #include "eval_attributes.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <darboux/christoffel.h>
 #include <darboux/forms.h>

@@ -9,7 +9,6 @@
 
 #include <darboux/any_surface.h>
 #include <darboux/attributes.h>
-#include <darboux/christoffel.h>
 
 namespace darboux {
 

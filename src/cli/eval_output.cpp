@@ -4,9 +4,9 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <concepts>
 #include <cstdio>
 #include <limits>
-#include <type_traits>
 
 #include "base/parallel_jobs.h"
 #include "command.h"
@@ -145,9 +145,7 @@ class TextWriter final : public FrameWriter {
     outputs_.status(status_);
 
     if (json_) {
-      file_.write(
-          "{\"surface\": " + surface_json(surface).dump(-1, ' ', false, Json::error_handler_t::replace) +
-          ",\n \"samples\": [");
+      file_.write("{\"surface\": " + json_text(surface_json(surface), -1) + ",\n \"samples\": [");
     } else if (options.format == FrameFormat::csv) {
       std::string header = "u,v";
       for (const EvalAttribute* a : chosen_)

@@ -21,10 +21,6 @@
 namespace darboux {
 namespace {
 
-bool finite_uv(const Vec2<double>& uv) {
-  return std::isfinite(uv.x) && std::isfinite(uv.y);
-}
-
 struct FitArguments {
   std::string file, surface = "auto", noise, frames;
   bool with_uv = false;
@@ -86,7 +82,7 @@ Membership membership(const PointFile& points, const PointFit& fit, bool with_uv
     const std::size_t place = points.place.empty() ? i : points.place[i];
     const bool used = place != PointFile::unused;
     const bool inlier = used && (place == i ? fit.is_inlier[fitted++] : result.is_inlier[place]);
-    const bool finite = detail::finite(cloud.positions[i]) && (!with_uv || finite_uv(cloud.uvs[i]));
+    const bool finite = detail::finite(cloud.positions[i]) && (!with_uv || detail::finite(cloud.uvs[i]));
     result.is_inlier.push_back(inlier);
     ++(!used ? result.unused : !finite ? result.not_finite : inlier ? result.inliers : result.outliers);
   }
@@ -140,7 +136,7 @@ UncertainFrame no_frame_at_all() {
 // two there.
 UncertainFrame frame_of(const PointCloud& cloud, std::size_t i, const PointFit& fit, bool with_uv) {
   const Vec3<double>& p = cloud.positions[i];
-  if (!detail::finite(p) || (with_uv && !finite_uv(cloud.uvs[i]))) return no_frame_at_all();
+  if (!detail::finite(p) || (with_uv && !detail::finite(cloud.uvs[i]))) return no_frame_at_all();
   return with_uv ? frame_at(fit, fit.surface->uv.surface_uv(cloud.uvs[i])) : frame_near(fit, p);
 }
 
@@ -185,11 +181,8 @@ Json fit_json(const FitArguments& arguments, const PointFit& fit, const Membersh
   const bool fitted = fit.inliers > 0;
   Json json{{"file", arguments.file}, {"surface", nullptr}};
   if (fit.usable) {
-    Json placement = Json::array();
-    for (Eigen::Index k = 0; k < 16; ++k)
-      placement.push_back(number(fit.surface->placement.matrix()(k % 4, k / 4)));
     json["surface"] = surface_json(fit.surface->surface);
-    json["surface"]["placement"] = placement;
+    json["surface"]["placement"] = numbers({fit.surface->placement.data(), 16});
   }
   json["usable"] = fit.usable;
   json["reason"] = fit.reason;
@@ -219,7 +212,7 @@ Json fit_json(const FitArguments& arguments, const PointFit& fit, const Membersh
   return json;
 }
 
-// "    label          text"
+// "  label           text"
 void print_line(std::string label, const std::string& text) {
   label.resize(std::max<std::size_t>(label.size() + 1, 16), ' ');
   std::cout << "  " << label << text << '\n';

@@ -1,6 +1,5 @@
 #include "map_arguments.h"
 
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -90,7 +89,7 @@ void add_map_options(CLI::App& sub, MapArguments& a) {
       ->check(whole_number_up_to(1024));
   sub.add_option("--sign", a.sign, "sign convention of stored tangents: gltf or raw")
       ->capture_default_str()
-      ->check(CLI::IsMember({"gltf", "raw"}));
+      ->check(sign_conventions.check());
   sub.add_option(
          "--wrap", a.wrap,
          "how the texture continues outside [0, 1]: repeat, mirror or clamp [as the glTF says, else repeat]")
@@ -113,7 +112,7 @@ std::vector<MapPiece> map_pieces(const MapArguments& a, const Common& common, bo
                                  const ChosenPrimitives& only) {
   MapPieceOptions options{.read = common.read};
   options.only = only.empty() ? primitive_arguments(a.primitives) : only;
-  options.sign = a.sign == "raw" ? SignConvention::raw : SignConvention::gltf;
+  options.sign = sign_conventions.of(a.sign);
   if (!a.wrap.empty()) options.wrap = wrap_modes.of(a.wrap);
   if (!a.uv_origin.empty()) options.v_up = a.uv_origin == "bottom";
   options.scale = a.normal_scale;
@@ -213,9 +212,9 @@ void print_counts(const NormalMapResult& r) {
 }
 
 std::string owner_text(const MapConflict::Owner& owner, std::span<const MapPiece> pieces) {
-  return "triangle " + std::to_string(owner.triangle) + " of mesh " +
-         std::to_string(pieces[owner.piece].mesh_index) + " primitive " +
-         std::to_string(pieces[owner.piece].primitive);
+  const MapPiece& piece = pieces[owner.piece];
+  return "triangle " + std::to_string(owner.triangle) + " of " +
+         primitive_text(piece.mesh_index, piece.primitive);
 }
 
 Json conflict_json(const NormalMapResult& r, std::span<const MapPiece> pieces) {

@@ -1,6 +1,5 @@
 #include "map_checks.h"
 
-#include <algorithm>
 #include <iomanip>
 #include <iostream>
 

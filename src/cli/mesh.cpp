@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <iostream>
 #include <stdexcept>
 
@@ -15,7 +14,6 @@ namespace {
 
 constexpr Choice<MeshTopology, 4> topologies{{"grid", "icosphere", "cube-sphere", "lantern"}};
 constexpr Choice<PolePlacement, 3> poles{{"per-column", "half-cell", "shared"}};
-constexpr Choice<SignConvention, 2> signs{{"gltf", "raw"}};
 
 struct MeshArguments {
   std::string surface, topology = "grid", grid, pole = "per-column", scale = "1,1,1", output, seam = "split",
@@ -61,7 +59,7 @@ SampleMeshOptions parse(const MeshArguments& arguments) {
   o.shared_seam = arguments.seam == "shared";
   o.random_diagonals = arguments.diagonal == "random";
   o.scale = parse_scale(arguments.scale);
-  o.sign = signs.of(arguments.sign);
+  o.sign = sign_conventions.of(arguments.sign);
   return o;
 }
 
@@ -112,8 +110,7 @@ void run_mesh(const MeshArguments& arguments, const Common& common) {
               {"degenerate", o.degenerate},
               {"degenerate_uvs", o.degenerate_uvs},
               {"sign", arguments.sign}});
-  write_glb(arguments.output, mesh, std::string(surface.info().name),
-            Json{{"darboux", how}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+  write_glb(arguments.output, mesh, std::string(surface.info().name), json_text({{"darboux", how}}, -1));
   if (dropped > 0 && !common.quiet)
     print_error(std::string(surface.info().name) +
                 ": expected all cells of the grid to be finite and to have area, got " +
@@ -190,7 +187,7 @@ void add_mesh(CLI::App& app, Common& common) {
   sub.add_flag("--no-tangents", arguments->no_tangents, "leave TANGENT out");
   sub.add_option("--sign", arguments->sign, "sign convention of w: gltf or raw")
       ->capture_default_str()
-      ->check(signs.check());
+      ->check(sign_conventions.check());
   add_common(sub, common, "darboux mesh sphere --grid 64x32 -o sphere.glb");
   sub.callback([arguments, &common] { run_mesh(*arguments, common); });
 }

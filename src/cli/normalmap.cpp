@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <iostream>
 #include <optional>
+#include <tuple>
 #include <utility>
 
+#include "io/files.h"
 #include "map_arguments.h"
 #include "map_checks.h"
 #include "report/lit_model.h"
@@ -96,7 +98,7 @@ NormalMapOptions options_of(const NormalMapArguments& a, const Common& common) {
 
 // A glTF as INPUT is the mesh too, unless another is named.
 bool is_whole_asset(const NormalMapArguments& a) {
-  return !a.input.empty() && a.mesh.empty() && a.surface.empty() && is_gltf_file(a.input);
+  return !a.input.empty() && a.mesh.empty() && a.surface.empty() && io::is_gltf(a.input);
 }
 
 // The map, and the primitives that it belongs to where it comes with the mesh; none: those of --primitive.
@@ -199,7 +201,7 @@ void run_normalmap(const CLI::App& sub, NormalMapArguments& a, Common& common) {
   if (!a.checks.file.empty()) {
     a.checks.primitives = a.primitives;
     std::vector<const char*> of_others = of_mesh;
-    if (is_gltf_file(a.checks.file)) of_others.erase(of_others.begin());
+    if (io::is_gltf(a.checks.file)) of_others.erase(of_others.begin());
     check_ways(sub, of_conversion, "--check");
     check_ways(sub, of_comparison, "--check");
     check_ways(sub, of_others, "--check");

@@ -44,14 +44,9 @@ constexpr FindingKind dropped_kind{"TANGENT_DROPPED", Severity::error,
 
 constexpr std::size_t most_idle_lines = 4;  // per file: what can be left out is no error
 
-bool is_gltf(const std::string& path) {
+bool has_gltf_extension(const std::string& path) {
   const std::string extension = extension_of(path);
   return extension == ".glb" || extension == ".gltf";
-}
-
-std::string place_of(const PrimitiveNeed& p) {
-  return "mesh " + std::to_string(p.mesh) + " primitive " + std::to_string(p.primitive) +
-         (p.name.empty() ? "" : " (" + one_line(p.name) + ")");
 }
 
 std::string bytes_text(std::size_t bytes) {
@@ -151,20 +146,21 @@ Json sarif_of(const std::vector<PlannedFile>& files) {
     if (!file.error.empty()) add(unreadable_file, Severity::error, file.error, "");
     for (const DroppedTangents& d : file.dropped)
       add(dropped_kind, Severity::error,
-          place_of(*d.after) + ": " + with_to_do(std::string(dropped_kind.message), dropped_kind.to_do),
-          place_of(*d.after));
+          primitive_text(*d.after) + ": " + with_to_do(std::string(dropped_kind.message), dropped_kind.to_do),
+          primitive_text(*d.after));
     for (const PrimitiveNeed& p : file.needs.primitives) {
       if (p.need == TangentNeed::missing)
         add(missing, p.derivable ? Severity::warning : Severity::error,
-            place_of(p) + ": " + with_to_do(missing_text(p), missing.to_do), place_of(p));
+            primitive_text(p) + ": " + with_to_do(missing_text(p), missing.to_do), primitive_text(p));
       if (p.need == TangentNeed::idle)
-        add(idle, Severity::info, place_of(p) + ": " + with_to_do(idle_text(p), idle.to_do), place_of(p));
+        add(idle, Severity::info, primitive_text(p) + ": " + with_to_do(idle_text(p), idle.to_do),
+            primitive_text(p));
     }
   }
   return sarif_log(std::move(rules), std::move(results));
 }
 
-// "3 primitives need TANGENT: 2 have it, 1 without; 4 carry it for nothing (12 kB of 80 kB of geometry)"
+// "3 primitives need TANGENT: 2 with it, 1 without; 4 carry it for nothing (12 kB of 80 kB of geometry)"
 std::string summary(const NeedTotals& t) {
   const std::size_t all = t.needed + t.missing;
   std::string text = all == 0 ? "no primitive needs TANGENT"
@@ -206,7 +202,7 @@ void print_text(const std::vector<PlannedFile>& files) {
     }
     std::cout << one_line(file.path) << ": " << summary(t) << '\n';
     for (const DroppedTangents& d : file.dropped)
-      std::cout << "  dropped: " << place_of(*d.after) << ": " << dropped_kind.message << '\n';
+      std::cout << "  dropped: " << primitive_text(*d.after) << ": " << dropped_kind.message << '\n';
     std::size_t idle_lines = 0;
     for (const PrimitiveNeed& p : file.needs.primitives) {
       std::string text;
@@ -216,7 +212,7 @@ void print_text(const std::vector<PlannedFile>& files) {
         text += (text.empty() ? "" : "; ") + std::string("MikkTSpace splits ") +
                 counted(*p.splits, "vertex", "vertices");
       if (text.empty()) continue;
-      std::cout << "  " << place_of(p) << ": " << text << (p.in_scene ? "" : " (in no scene)") << '\n';
+      std::cout << "  " << primitive_text(p) << ": " << text << (p.in_scene ? "" : " (in no scene)") << '\n';
     }
     if (idle_lines > most_idle_lines)
       std::cout << "  and " << idle_lines - most_idle_lines << " more with TANGENT that nothing reads\n";
@@ -239,11 +235,12 @@ std::vector<PlannedFile> files_to_plan(const std::vector<std::string>& arguments
   for (const AssessedFile& file : files_of(arguments, {}, unused)) {
     const bool named = std::find(arguments.begin(), arguments.end(), file.path) != arguments.end();
     std::error_code none;
-    if (named && file.readable() && !is_gltf(file.path) && std::filesystem::is_regular_file(file.path, none))
+    if (named && file.readable() && !has_gltf_extension(file.path) &&
+        std::filesystem::is_regular_file(file.path, none))
       throw ParameterError(file.path, expected_got("a .glb or .gltf, as only glTF has materials that say "
                                                    "what reads a tangent frame",
                                                    "another format"));
-    if (named || is_gltf(file.path)) result.push_back({file.path, file.error});
+    if (named || has_gltf_extension(file.path)) result.push_back({file.path, file.error});
   }
   if (result.empty()) throw ParameterError("plan", expected_got("folders with .glb or .gltf files", "none"));
   return result;
@@ -256,7 +253,7 @@ void plan(PlannedFile& file, const PlanArguments& arguments, const std::optional
   try {
     file.needs = tangent_need(file.path, levels.of(arguments.level), read);
     if (before) file.dropped = dropped_tangents(*before, file.needs);
-    if (arguments.splits) count_splits(file.path, file.needs, 1, read);
+    if (arguments.splits) count_splits(file.path, file.needs, read);
   } catch (const std::exception&) {
     file.error = error_of(file.path);  // what was planned before the geometry could not be read stays
   }
@@ -306,7 +303,7 @@ void run(const PlanArguments& arguments, Common& common) {
   else
     print_text(files);
   if (!sarif) return;
-  sarif->write(sarif_of(files).dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+  sarif->write(json_text(sarif_of(files)) + '\n');
   sarif->commit();
 }
 

@@ -50,6 +50,18 @@ std::string command_line_of(const ReportArguments& arguments,
   return line;
 }
 
+std::string default_text(int n) {
+  return " [" + std::to_string(n) + "]";
+}
+
+std::string default_text(double x) {
+  return " [" + shortest(x) + "]";
+}
+
+std::string default_text(const std::vector<int>& resolutions) {
+  return " [" + std::to_string(resolutions.front()) + ".." + std::to_string(resolutions.back()) + "]";
+}
+
 namespace {
 
 int parse_resolution(std::string_view text, int finest) {
@@ -81,6 +93,17 @@ std::vector<int> parse_resolutions(const std::string& text, int finest) {
     }
   }
   return result;
+}
+
+void read_resolutions(const io::JsonCursor& list, std::size_t fewest, const char* expected, int finest,
+                      std::vector<int>& resolutions) {
+  if (!list.json().is_array() || list.size() < fewest) list.fail(expected);
+  resolutions.clear();
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const auto n = static_cast<int>(list.at(i).integer(2, finest));
+    if (i > 0 && n <= resolutions.back()) list.at(i).fail("numbers that grow");
+    resolutions.push_back(n);
+  }
 }
 
 std::string shell_quoted(const std::string& text) {
@@ -194,7 +217,7 @@ void run_report(const ReportArguments& to, const ReportStudy& study, Common& com
   const auto in_format = [&] {
     return format == "md"     ? report.markdown(origin)
            : format == "svg"  ? report.picture()
-           : format == "json" ? document.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'
+           : format == "json" ? json_text(document) + '\n'
                               : report.page(origin);
   };
   for (std::size_t i = 0; i < outputs.size(); ++i)

@@ -2,9 +2,12 @@
 /// What the report commands share: presets, study files, results, shards, pages and CSV.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -37,6 +40,11 @@ void add_output_options(CLI::App& sub, ReportArguments& arguments, const std::st
 std::string command_line_of(const ReportArguments& arguments,
                             const std::vector<std::pair<const char*, std::string>>& others = {});
 
+/// How help texts show a default: " [24]"; of resolutions that double, " [8..128]".
+std::string default_text(int n);
+std::string default_text(double x);
+std::string default_text(const std::vector<int>& resolutions);
+
 /// "8..256" (doubling) or "8,16,32", of --resolutions; they grow. \param finest the largest number
 /// \throws ParameterError
 std::vector<int> parse_resolutions(const std::string& text, int finest);
@@ -59,6 +67,46 @@ void read_names(const io::JsonCursor& list, std::vector<std::string>& names, Fin
       find(names.back());
     } catch (const Error& e) {
       list.at(i).refuse(e.what());
+    }
+  }
+}
+
+/// What every study file has: that it is of this command, and its preset, surfaces and seed, by which
+/// `choices` is overridden. The preset comes first: it is all that is not said otherwise.
+template <class Choices>
+void read_common(const io::JsonCursor& study, const char* command,
+                 std::optional<Choices> (*preset_named)(std::string_view), Choices& choices) {
+  if (const auto of = study.at("command"); of.text() != command) of.fail('"' + std::string(command) + '"');
+  if (study.has("preset")) {
+    const auto preset = study.at("preset");
+    const std::optional<Choices> choices_of = preset_named(preset.text());
+    if (!choices_of) preset.fail(preset_names);
+    choices = *choices_of;
+  }
+  if (study.has("surfaces"))
+    read_names(study.at("surfaces"), choices.surfaces, [](const auto& name) { surface_argument(name); });
+  if (study.has("seed")) choices.seed = study.at("seed").integer();
+}
+
+/// A study file's list of resolutions, which grow, from 2 to `finest`. \param expected what list, of at least
+/// `fewest`
+void read_resolutions(const io::JsonCursor& list, std::size_t fewest, const char* expected, int finest,
+                      std::vector<int>& resolutions);
+
+/// Hands the result of each job that has one to take(job, result), and counts these jobs.
+/// \param what the results are, "samples of converge" \param file where they were read from
+/// \throws FileError for a result of another shape
+template <class Take>
+void take_results(const std::vector<Json>& results, const std::string& file, const std::string& what,
+                  std::size_t& jobs_done, Take take) {
+  jobs_done = 0;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (results[i].is_null()) continue;
+    ++jobs_done;
+    try {
+      take(i, results[i]);
+    } catch (const Json::exception&) {
+      throw FileError(file, "job " + std::to_string(i) + ": " + expected_got(what, "others"));
     }
   }
 }

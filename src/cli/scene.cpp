@@ -15,6 +15,8 @@
 #include <darboux/scene.h>
 
 #include "assets/scene_of_gltf.h"
+#include "base/bounds.h"
+#include "base/degrees.h"
 #include "base/extension.h"
 #include "command.h"
 #include "io/scene_file.h"
@@ -128,20 +130,15 @@ Picture picture_of_fates(const Scene& scene, const Camera& camera, SceneRequest 
   const ScenePlan all = plan_scene(scene, camera, request);
   const TileKeys needed = keys_of(needed_plan), facing = keys_of(facing_plan), within = keys_of(within_plan);
   const Eigen::Matrix3d axes = axes_beside(camera);
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Vec3<double> least{infinity, infinity, infinity}, greatest = -least;
+  Bounds box;
   Progress progress("picture of what was skipped", common);
   evaluate_patches(scene, all, progress, [&](const TileSamples& samples) {
     for (const PlannedTile& tile : samples.tiles())
-      for (std::size_t i = 0; i < samples.size(); ++i) {
-        const Vec3<double> p =
-            from_eigen(axes.transpose() * (scene.instances[tile.instance].placement *
-                                           to_eigen(samples.vec3(Attribute::position, i))));
-        least = {std::fmin(least.x, p.x), std::fmin(least.y, p.y), std::fmin(least.z, p.z)};
-        greatest = {std::fmax(greatest.x, p.x), std::fmax(greatest.y, p.y), std::fmax(greatest.z, p.z)};
-      }
+      for (std::size_t i = 0; i < samples.size(); ++i)
+        box.add(from_eigen(axes.transpose() * (scene.instances[tile.instance].placement *
+                                               to_eigen(samples.vec3(Attribute::position, i)))));
   });
-  Rasteriser rasteriser(view_along(axes, least, greatest, camera));
+  Rasteriser rasteriser(view_along(axes, box.low, box.high, camera));
   evaluate_patches(scene, all, progress, [&](const TileSamples& samples) {
     draw_tiles(rasteriser, scene, samples, [&](const PlannedTile& tile) {
       const auto key = key_of(samples.patch(), tile);
@@ -204,7 +201,7 @@ Json report_json(const SceneReport& r) {
       {"bounds",
        {{"chord", number(r.request.chord)},
         {"chord_px", number(r.request.chord_px)},
-        {"angle_deg", number(r.request.frame_angle_rad * (180 / std::numbers::pi))}}}};
+        {"angle_deg", number(r.request.frame_angle_rad * degrees_per_radian)}}}};
   if (!r.path.empty()) {
     Json& path = result["path"] = Json::array();
     for (const PathCamera& frame : r.path)
@@ -265,7 +262,7 @@ void print_text(const SceneReport& r) {
   if (std::isfinite(r.request.chord_px))
     bounds.push_back(rounded(r.request.chord_px, 6) + (r.request.chord_px == 1 ? " pixel" : " pixels"));
   if (std::isfinite(r.request.chord)) bounds.push_back("a length of " + rounded(r.request.chord, 6));
-  const double degrees = r.request.frame_angle_rad * (180 / std::numbers::pi);
+  const double degrees = r.request.frame_angle_rad * degrees_per_radian;
   if (degrees < 180)  // beyond, every frame is within
     bounds.push_back("frames within " + rounded(degrees, 6) + (degrees == 1 ? " degree" : " degrees"));
   if (!bounds.empty()) std::cout << "bounds: " << joined(bounds) << '\n';
@@ -529,8 +526,8 @@ void add_scene(CLI::App& app, Common& common) {
                      "blue, out of view grey");
   CLI::Option* no_skip = sub.add_flag(
       "--no-skip", arguments->no_skip,
-      "also evaluate everything, every instance with all attributes, as fine as its nearest point "
-      "needs; write and draw that");
+      "also evaluate all instances in full, with all attributes, each as fine as its nearest point needs; "
+      "write and draw that");
   CLI::Option* no_cull =
       sub.add_flag(
              "--no-cull", arguments->no_cull,

@@ -147,10 +147,12 @@ void add_stability(CLI::App& app, Common& common) {
   sub.add_option("--routes", arguments->routes,
                  "separated by commas, some of " + names(stability_routes()) + " [all]")
       ->delimiter(',');
-  sub.add_option("--points", arguments->points, "values of x in each sweep [24]")
-      ->check(whole_number_between(2, 10000));
-  sub.add_option("--samples", arguments->samples, "random points at each x [3]")
-      ->check(whole_number_between(1, 10000));
+  sub.add_option("--points", arguments->points,
+                 "values of x in each sweep" + default_text(StabilityChoices{}.points))
+      ->check(whole_number_between(2, most_points));
+  sub.add_option("--samples", arguments->samples,
+                 "random points at each x" + default_text(StabilityChoices{}.samples))
+      ->check(whole_number_between(1, most_points));
   sub.add_option("--seed", arguments->seed, "seed of the random points [1]")->check(whole_number);
   add_report_options(sub, arguments->report,
                      "quick (the defaults), standard (61 values of x, 8 points at each), full (301, 16)");

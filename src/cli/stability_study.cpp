@@ -1,9 +1,5 @@
 #include "stability_study.h"
 
-#include <algorithm>
-
-#include <darboux/error.h>
-
 #include "report/stability_report.h"
 
 namespace darboux {
@@ -27,22 +23,13 @@ void read_stability_study(const std::string& file, StabilityChoices& choices) {
   const auto study = io::JsonCursor::with_pointers(file, json);
   study.expect_keys(
       {"$schema", "command", "preset", "surfaces", "sweeps", "routes", "points", "samples", "seed"});
-  if (const auto command = study.at("command"); command.text() != "stability") command.fail("\"stability\"");
-  if (study.has("preset")) {
-    const auto preset = study.at("preset");
-    const auto choices_of = stability_preset(preset.text());
-    if (!choices_of) preset.fail(preset_names);
-    choices = *choices_of;
-  }
-  if (study.has("surfaces"))
-    read_names(study.at("surfaces"), choices.surfaces, [](const auto& name) { surface_argument(name); });
+  read_common(study, "stability", stability_preset, choices);
   if (study.has("sweeps"))
     read_names(study.at("sweeps"), choices.sweeps, [](const auto& name) { find_stability_sweep(name); });
   if (study.has("routes"))
     read_names(study.at("routes"), choices.routes, [](const auto& name) { find_stability_route(name); });
   if (study.has("points")) choices.points = static_cast<int>(study.at("points").integer(2, most_points));
   if (study.has("samples")) choices.samples = static_cast<int>(study.at("samples").integer(1, most_points));
-  if (study.has("seed")) choices.seed = study.at("seed").integer();
 }
 
 Json stability_identity(const StabilityOptions& options) {
@@ -68,18 +55,10 @@ std::vector<StabilityCurve> run_stability_study(const StabilityOptions& options,
                         std::string(options.sweeps[piece.sweep]->name),
                     [&options, piece] { return curves_json(run_stability_job(options, piece)); }});
   const std::vector<Json> results = run_study(identity, jobs, study, progress);
-  jobs_done = 0;
   std::vector<StabilityCurve> curves;
-  for (std::size_t i = 0; i < jobs.size(); ++i) {
-    if (results[i].is_null()) continue;
-    ++jobs_done;
-    try {
-      for (const Json& curve : results[i]) curves.push_back(curve_of(curve));
-    } catch (const Json::exception&) {
-      throw FileError(study.results,
-                      "job " + std::to_string(i) + ": expected curves of stability, got others");
-    }
-  }
+  take_results(results, study.results, "curves of stability", jobs_done, [&](std::size_t, const Json& all) {
+    for (const Json& curve : all) curves.push_back(curve_of(curve));
+  });
   return curves;
 }
 

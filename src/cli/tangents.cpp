@@ -111,7 +111,7 @@ Json primitive_json(const PrimitiveTangents& p) {
 
 void print_text(const DroppedIdle& dropped, std::ostream& out) {
   for (const SkippedPrimitive& p : dropped.primitives)
-    out << "mesh " << p.mesh << " primitive " << p.primitive << ": TANGENT dropped: " << p.reason << '\n';
+    out << primitive_text(p.mesh, p.primitive) << ": TANGENT dropped: " << p.reason << '\n';
   if (!dropped.bytes_kept.empty())
     out << "the bytes of dropped tangents stay in the file: " << dropped.bytes_kept << '\n';
   else if (dropped.bytes > 0)
@@ -120,7 +120,7 @@ void print_text(const DroppedIdle& dropped, std::ostream& out) {
 
 void print_text(const FileTangents& result, std::ostream& out) {
   for (const PrimitiveTangents& p : result.primitives) {
-    out << "mesh " << p.mesh << " primitive " << p.primitive << ": " << counted(p.corners, "corner") << ", "
+    out << primitive_text(p.mesh, p.primitive) << ": " << counted(p.corners, "corner") << ", "
         << counted(p.vertices, "vertex", "vertices");
     if (p.vertices != p.old_vertices)
       out << " (" << p.old_vertices << " before: those whose corners have several tangents were split)";
@@ -131,7 +131,7 @@ void print_text(const FileTangents& result, std::ostream& out) {
     out << '\n';
   }
   for (const SkippedPrimitive& s : result.skipped)
-    out << "mesh " << s.mesh << " primitive " << s.primitive << " left alone: " << s.reason << '\n';
+    out << primitive_text(s.mesh, s.primitive) << " left alone: " << s.reason << '\n';
 }
 
 void run_tangents(const TangentsArguments& arguments, Common& common) {
@@ -145,7 +145,7 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
     throw ParameterError("-", expected_got("one of -o - and --json for standard output", "both"));
   FileTangentOptions options;
   options.method = find_frame_method(arguments.method).name;
-  options.sign = arguments.sign == "raw" ? SignConvention::raw : SignConvention::gltf;
+  options.sign = sign_conventions.of(arguments.sign);
   options.only_needed = !arguments.only.empty();
   options.threads = common.threads;
   if (arguments.drop_idle && !options.only_needed)
@@ -168,20 +168,15 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
   const bool none = result.primitives.empty() && (!options.only_needed || result.incapable != 0);
   if (none) common.exit_status = 1;
   if (common.json) {
-    Json primitives = Json::array(), skipped = Json::array();
+    Json primitives = Json::array();
     for (const PrimitiveTangents& p : result.primitives) primitives.push_back(primitive_json(p));
-    for (const SkippedPrimitive& s : result.skipped)
-      skipped.push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
     Json report{{"file", arguments.output},
                 {"method", options.method},
                 {"sign", arguments.sign},
                 {"primitives", primitives},
-                {"skipped", skipped}};
+                {"skipped", skipped_json(result.skipped)}};
     if (arguments.drop_idle) {
-      Json idle = Json::array();
-      for (const SkippedPrimitive& p : dropped.primitives)
-        idle.push_back({{"mesh", p.mesh}, {"primitive", p.primitive}, {"reason", p.reason}});
-      report["dropped"] = std::move(idle);
+      report["dropped"] = skipped_json(dropped.primitives);
       report["dropped_bytes"] = dropped.bytes;
       report["bytes_kept"] = dropped.bytes_kept.empty() ? Json() : Json(dropped.bytes_kept);
     }
@@ -212,7 +207,7 @@ void add_tangents(CLI::App& app, Common& common) {
   sub.add_option("--method", arguments->method, "the method; --list explains them")->capture_default_str();
   sub.add_option("--sign", arguments->sign, "sign convention of w: gltf or raw")
       ->capture_default_str()
-      ->check(CLI::IsMember({"gltf", "raw"}));
+      ->check(sign_conventions.check());
   sub.add_option(
          "--only", arguments->only,
          "needed: leave primitives unchanged whose materials read no tangents (no normal map, no anisotropy)")

@@ -193,7 +193,7 @@ void run(const Arguments& arguments, Common& common) {
     print_text(files, with_baseline, arguments.details, common.quiet);
   if (arguments.github) print_github(files, with_baseline);
   if (sarif_file) {
-    sarif_file->write(sarif(files, with_baseline).dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+    sarif_file->write(json_text(sarif(files, with_baseline)) + '\n');
     sarif_file->commit();
   }
   if (junit_file) {
@@ -214,8 +214,9 @@ void add_validate(CLI::App& app, Common& common) {
           " files, or folders of them; name them before options that take several values, such as --ignore");
   sub.add_option(
          "--surface", arguments->surface,
-         "auto, or a kind with the parameters that are known, such as torus:minor_radius=0.4; a kind that is "
-         "not fitted, and formula:file=FILE, is taken as given, defaults included, and only placed")
+         "auto, or a kind with the parameters that are known, such as torus:minor_radius=0.4. Kinds that "
+         "cannot be fitted, and formula:file=FILE, are used exactly as given, with defaults for what is not "
+         "given; only their placement is fitted")
       ->capture_default_str();
   sub.add_option("--placement", arguments->placement,
                  "where the surface lies: fit, identity, or the 16 numbers of a matrix, column by column, "
@@ -229,8 +230,8 @@ void add_validate(CLI::App& app, Common& common) {
          "--reference", arguments->reference,
          "references to compare with, separated by commas: analytic (the surface that the mesh was made "
          "from), triangles (the mesh's own triangles), local (neighbouring vertices), mikktspace "
-         "(MikkTSpace's tangents). Only the first two make errors; a surface that was recognised, not "
-         "declared, may make warnings instead")
+         "(MikkTSpace's tangents). Only analytic and triangles make errors; against a surface that was "
+         "recognised, not declared, a difference may be a warning instead")
       ->capture_default_str();
   sub.add_option("--fail-on", arguments->fail_on,
                  "count these findings as errors: codes separated by commas; --findings lists them")

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <numeric>
 #include <set>
 #include <tuple>
 
@@ -441,8 +440,7 @@ ReferenceKind reference_of_classes(const Assessment& assessment) {
 }
 
 std::string place_of(const Primitive& primitive, const Assessment& assessment) {
-  std::string text =
-      "mesh " + std::to_string(primitive.mesh) + " primitive " + std::to_string(primitive.primitive);
+  std::string text = primitive_text(primitive.mesh, primitive.primitive);
   if (assessment.part) text += " part " + std::to_string(*assessment.part);
   if (!primitive.name.empty()) text += " (" + one_line(primitive.name) + ")";
   return text;

@@ -33,9 +33,7 @@ Json evidence_json(const std::optional<Evidence>& evidence) {
 // The surface with its place and how well both are known.
 Json placed_surface_json(const MeshFit& fit) {
   Json surface = surface_json(fit.surface.surface);
-  surface["placement"] = Json::array();
-  for (Eigen::Index k = 0; k < 16; ++k)
-    surface["placement"].push_back(number(fit.surface.placement.matrix()(k % 4, k / 4)));
+  surface["placement"] = numbers({fit.surface.placement.data(), 16});
   surface["fit_rms"] = number(fit.rms);
   surface["fit_rms_relative"] = number(fit.rms_relative);
   surface["sigma"] = number(fit.sigma);
@@ -44,19 +42,17 @@ Json placed_surface_json(const MeshFit& fit) {
     surface["covariance"].push_back(Json::array());
     for (const double x : row) surface["covariance"].back().push_back(number(x));
   }
-  surface["centre"] = {number(fit.centre.x()), number(fit.centre.y()), number(fit.centre.z())};
+  surface["centre"] = array(from_eigen(fit.centre));
   return surface;
 }
 
 Json uv_json(const MeshFit& fit, int texcoord) {
   Json uv{{"convention", uv_convention(fit)}, {"texcoord", texcoord}};
   if (fit.chart == UvChart::own) {
-    uv["affine"] = Json::array();
-    for (const double x : fit.surface.uv.affine) uv["affine"].push_back(number(x));
+    uv["affine"] = numbers(fit.surface.uv.affine);
     uv["equivalent"] = fit.equivalent;
   } else if (fit.chart == UvChart::projected) {
-    uv["projection"] = Json::array();
-    for (Eigen::Index k = 0; k < 9; ++k) uv["projection"].push_back(number(fit.projection(k % 3, k / 3)));
+    uv["projection"] = numbers({fit.projection.data(), 9});
   }
   return uv;
 }
@@ -143,9 +139,7 @@ Json file_json(const AssessedFile& file, bool with_baseline) {
   for (const AssessedPrimitive& p : file.primitives)
     for (std::size_t a = 0; a < p.assessments.size(); ++a)
       json["meshes"].push_back(assessment_json(p, a, with_baseline));
-  json["skipped"] = Json::array();
-  for (const SkippedPrimitive& s : file.skipped)
-    json["skipped"].push_back({{"mesh", s.mesh}, {"primitive", s.primitive}, {"reason", s.reason}});
+  json["skipped"] = skipped_json(file.skipped);
   return json;
 }
 

@@ -1,6 +1,4 @@
 // `validate --normal-map`: what a normal map would leave of the error of a mesh on a known surface.
-#include <algorithm>
-#include <array>
 #include <iomanip>
 #include <iostream>
 #include <limits>

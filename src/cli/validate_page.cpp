@@ -7,7 +7,6 @@
 #include <numeric>
 #include <set>
 
-#include "base/base64.h"
 #include "base/counted.h"
 #include "report/colour_map.h"
 #include "report/histogram.h"
@@ -238,15 +237,11 @@ std::string reference_text(const Assessment& assessment) {
 
 std::string findings_list(const MeshReport& report) {
   if (report.findings.empty()) return "<p>Nothing was found.</p>\n";
-  std::vector<const Finding*> worst_first;
-  for (const Finding& f : report.findings) worst_first.push_back(&f);
-  std::stable_sort(worst_first.begin(), worst_first.end(),
-                   [](const Finding* a, const Finding* b) { return a->severity > b->severity; });
   std::string rows;
-  for (const Finding* f : worst_first)
-    rows += "<li class=finding>" + badge(f->severity) + "<code>" + text(f->code) + "</code> <b>" +
-            std::to_string(f->count) + "</b><span class=message>" + text(f->message) +
-            "</span><span class=\"soft to-do\">" + text(f->to_do) + "</span></li>\n";
+  for (const Finding& f : report.findings)  // the worst first
+    rows += "<li class=finding>" + badge(f.severity) + "<code>" + text(f.code) + "</code> <b>" +
+            std::to_string(f.count) + "</b><span class=message>" + text(f.message) +
+            "</span><span class=\"soft to-do\">" + text(f.to_do) + "</span></li>\n";
   return "<ul class=findings>\n" + rows + "</ul>\n";
 }
 
@@ -426,10 +421,7 @@ std::string entry(const Entry& e, bool one_file, bool open) {
   for (const CodeCount& c : found) names.emplace(c.kind->code);
   std::string code_names;
   for (const std::string& name : names) code_names += (code_names.empty() ? "" : " ") + name;
-  const std::string place =
-      "mesh " + std::to_string(e.assessed.primitive.mesh) + " primitive " +
-      std::to_string(e.assessed.primitive.primitive) +
-      (e.assessed.primitive.name.empty() ? "" : " (" + one_line(e.assessed.primitive.name) + ")");
+  const std::string place = primitive_text(e.assessed.primitive);
   const std::string name = one_file ? text(place)
                            : e.alone
                                ? path_text(e.file.path)
@@ -508,8 +500,8 @@ std::string not_assessed(const std::vector<AssessedFile>& files) {
   for (const AssessedFile& file : files) {
     if (!file.readable()) continue;
     for (const SkippedPrimitive& s : file.skipped)
-      by_reason[s.reason].push_back((files.size() > 1 ? file.path + ", " : std::string()) + "mesh " +
-                                    std::to_string(s.mesh) + " primitive " + std::to_string(s.primitive));
+      by_reason[s.reason].push_back((files.size() > 1 ? file.path + ", " : std::string()) +
+                                    primitive_text(s.mesh, s.primitive));
     if (file.primitives.empty() && file.skipped.empty())
       by_reason["no triangles to judge"].push_back(file.path);
   }

@@ -1,24 +1,15 @@
 #include "validate_pictures.h"
 
 #include <cmath>
-#include <fstream>
 #include <limits>
 
-#include "base/extension.h"
 #include "base/text.h"
+#include "io/files.h"
 #include "report/colour_map.h"
 #include "validate_page.h"
 
 namespace darboux {
 namespace {
-
-// Whether read_asset() takes it for a glTF.
-bool is_gltf(const std::string& path) {
-  std::string magic(4, '\0');
-  std::ifstream(path, std::ios::binary).read(magic.data(), 4);
-  const std::string extension = extension_of(path);
-  return magic == "glTF" || extension == ".glb" || extension == ".gltf";
-}
 
 // What the colours of a mesh mean, for its extras.
 std::string legend(const AssessedFile& file, std::size_t mesh, double max_angle_deg) {
@@ -42,7 +33,7 @@ std::string legend(const AssessedFile& file, std::size_t mesh, double max_angle_
 
 void paint(const AssessedFile& file, double max_angle_deg, const std::string& path, const ReadOptions& read) {
   GltfDocument document = [&] {
-    if (is_gltf(file.path)) return GltfDocument::load(file.path, read);
+    if (io::is_gltf(file.path)) return GltfDocument::load(file.path, read);
     Asset asset;
     for (const AssessedPrimitive& p : file.primitives) asset.primitives.push_back(p.primitive);
     return GltfDocument::of(asset, file.path);

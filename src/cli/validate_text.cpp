@@ -365,7 +365,7 @@ void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool
     for (const AssessedPrimitive& p : file.primitives)
       for (std::size_t a = 0; a < p.assessments.size(); ++a) print_assessment(p, a, with_baseline);
     for (const SkippedPrimitive& s : file.skipped)
-      std::cout << "  mesh " << s.mesh << " primitive " << s.primitive << " not judged: " << s.reason << '\n';
+      std::cout << "  " << primitive_text(s.mesh, s.primitive) << " not judged: " << s.reason << '\n';
   }
   if (!tables)
     std::cout << "--details shows a table and the notes of each of the " << assessments << " meshes and parts"

@@ -212,18 +212,21 @@ void add_choices(CLI::App& sub, WorkArguments& arguments) {
       ->delimiter(',');
   sub.add_option("--resolutions", arguments.resolutions,
                  "rows of the meshes, with twice as many columns (lantern: 2 sqrt(rows)): 8..64 (doubling) "
-                 "or 8,16,32 [8..32]");
-  sub.add_option("--rounds", arguments.rounds,
-                 "rounds, 3 or more; each times every method once, in turn [11]")
+                 "or 8,16,32" +
+                     default_text(WorkChoices{}.resolutions));
+  sub.add_option(
+         "--rounds", arguments.rounds,
+         "rounds, 3 or more; each times every method once, in turn" + default_text(WorkChoices{}.rounds))
       ->check(whole_number_between(3, most_rounds));
-  sub.add_option("--points", arguments.points, "random points per call [4096]")
+  sub.add_option("--points", arguments.points, "random points per call" + default_text(WorkChoices{}.points))
       ->check(whole_number_between(16, most_work_points));
   sub.add_option("--checked", arguments.checked,
-                 "how many of these points are compared with 40 digits [1000]")
+                 "how many of these points are compared with 40 digits" + default_text(WorkChoices{}.checked))
       ->check(whole_number_between(1, most_work_points));
   sub.add_option("--timeout", arguments.timeout,
                  "seconds that a call may take; a slower method is recorded once and not called again, but "
-                 "the call is not interrupted [10]")
+                 "the call is not interrupted" +
+                     default_text(WorkChoices{}.timeout))
       ->check(finite_number("seconds above 0", [](double x) { return x > 0; }));
   sub.add_option("--seed", arguments.seed, "seed of the points and meshes [1]")->check(whole_number);
   sub.add_option("--x", arguments.x,

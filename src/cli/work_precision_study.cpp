@@ -1,7 +1,5 @@
 #include "work_precision_study.h"
 
-#include <algorithm>
-
 #include <darboux/error.h>
 
 #include "report/work_precision_report.h"
@@ -24,30 +22,14 @@ void read_work_study(const std::string& file, WorkChoices& choices) {
   const auto study = io::JsonCursor::with_pointers(file, json);
   study.expect_keys({"$schema", "command", "preset", "surfaces", "methods", "meshes", "resolutions", "rounds",
                      "points", "checked", "timeout", "seed"});
-  if (const auto command = study.at("command"); command.text() != "work-precision")
-    command.fail("\"work-precision\"");
-  if (study.has("preset")) {
-    const auto preset = study.at("preset");
-    const auto choices_of = work_preset(preset.text());
-    if (!choices_of) preset.fail(preset_names);
-    choices = *choices_of;
-  }
-  if (study.has("surfaces"))
-    read_names(study.at("surfaces"), choices.surfaces, [](const auto& name) { surface_argument(name); });
+  read_common(study, "work-precision", work_preset, choices);
   if (study.has("methods"))
     read_names(study.at("methods"), choices.methods, [](const auto& name) { find_work_methods(name); });
   if (study.has("meshes"))
     read_names(study.at("meshes"), choices.meshes, [](const auto& name) { find_mesh_family(name); });
-  if (study.has("resolutions")) {
-    const auto list = study.at("resolutions");
-    if (!list.json().is_array() || list.size() == 0) list.fail("a list of numbers that grow");
-    choices.resolutions.clear();
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      const auto n = static_cast<int>(list.at(i).integer(2, finest_work_rows));
-      if (i > 0 && n <= choices.resolutions.back()) list.at(i).fail("numbers that grow");
-      choices.resolutions.push_back(n);
-    }
-  }
+  if (study.has("resolutions"))
+    read_resolutions(study.at("resolutions"), 1, "a list of numbers that grow", finest_work_rows,
+                     choices.resolutions);
   if (study.has("rounds")) choices.rounds = static_cast<int>(study.at("rounds").integer(3, most_rounds));
   if (study.has("points"))
     choices.points = static_cast<int>(study.at("points").integer(16, most_work_points));
@@ -57,7 +39,6 @@ void read_work_study(const std::string& file, WorkChoices& choices) {
     choices.timeout = study.at("timeout").number();
     if (!(choices.timeout > 0)) study.at("timeout").fail("seconds above 0");
   }
-  if (study.has("seed")) choices.seed = study.at("seed").integer();
 }
 
 Json work_identity(const WorkOptions& options) {
@@ -90,18 +71,11 @@ std::vector<WorkSample> run_work_study(const WorkOptions& options, const StudyId
                     }});
   }
   const std::vector<Json> results = run_study(identity, jobs, study, progress);
-  jobs_done = 0;
   std::vector<WorkSample> samples;
-  for (std::size_t i = 0; i < jobs.size(); ++i) {
-    if (results[i].is_null()) continue;
-    ++jobs_done;
-    try {
-      for (const Json& sample : results[i]) samples.push_back(work_sample_of(sample));
-    } catch (const Json::exception&) {
-      throw FileError(study.results,
-                      "job " + std::to_string(i) + ": expected samples of work-precision, got others");
-    }
-  }
+  take_results(results, study.results, "samples of work-precision", jobs_done,
+               [&](std::size_t, const Json& all) {
+                 for (const Json& sample : all) samples.push_back(work_sample_of(sample));
+               });
   return samples;
 }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <optional>
 
 #include <darboux/converge.h>
@@ -13,6 +12,7 @@
 #include <darboux/sample_mesh.h>
 #include <darboux/statistics.h>
 
+#include "base/degrees.h"
 #include "base/text.h"
 
 namespace darboux {
@@ -49,7 +49,7 @@ constexpr auto& quantities = study_quantities;
 enum Quantity : std::size_t { tangent, bitangent, normal };
 
 double degrees(double radians) {
-  return radians * (180 / std::numbers::pi);
+  return radians * degrees_per_radian;
 }
 
 // Whether the family's triangles are so ill-shaped that nothing is promised.

@@ -12,9 +12,9 @@ namespace darboux {
 
 enum class UvMaps { plain, affine, any };  // flips and swaps; affine maps; the first, then the others
 
-// Of some kinds under some maps, where fit_any_surface() is that of all under any: the first of
-// fitted_kinds() among `kinds` that fits, else the nearest; nothing where none could start. \throws
-// UndeterminedError as fit_any_surface() does
+// The first of fitted_kinds() among `kinds` that fits under one of the maps, plain ones before affine ones;
+// else the nearest, `fits` false; nothing where none could start. About 10 passes over the vertices where one
+// fits. \param mesh consistent \throws UndeterminedError where it has no uvs, or too few usable vertices
 std::optional<MeshFit> fit_kinds(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement,
                                  std::span<const std::string_view> kinds, UvMaps maps,
                                  std::span<const signed char> signs);

@@ -11,6 +11,7 @@
 #include "fit/common/parameter_jet.h"
 #include "fit/uv/starts.h"
 #include "fit_kinds.h"
+#include "mesh/area_vector.h"
 #include "mesh/triangle_signs.h"
 
 namespace darboux {
@@ -237,11 +238,10 @@ bool is_on_side(const Data& data, const Trial& trial, const Wanted& wanted) {
   const std::size_t step = std::max<std::size_t>(1, mesh.triangles.size() / enough);
   int sides = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); t += step) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    const Vec3<double> n = mesh.normals.empty() ? cross(mesh.positions[b] - mesh.positions[a],
-                                                        mesh.positions[c] - mesh.positions[a])
-                                                : mesh.normals[a];
-    const double cosine = dot(n, surface.truth(mesh.uvs[a]).normal);
+    const Triangle& triangle = mesh.triangles[t];
+    const std::uint32_t v = triangle[0];
+    const Vec3<double> n = mesh.normals.empty() ? area_vector(mesh, triangle) : mesh.normals[v];
+    const double cosine = dot(n, surface.truth(mesh.uvs[v]).normal);
     sides += cosine > 0 ? 1 : cosine < 0 ? -1 : 0;
   }
   return sides >= 0;
@@ -454,14 +454,6 @@ DeclaredFit fit_declared(const Mesh& mesh, const AnySurface& exact,
   if (!best || !best->fits) keep_better(best, try_affine(data, wanted));
   if (!best) throw no_start(exact.info().name);
   return declared(data, *best, wanted);
-}
-
-MeshFit fit_any_surface(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement) {
-  check_consistent(mesh, "mesh");
-  if (std::optional<MeshFit> fit =
-          fit_kinds(mesh, placement, fitted_kinds(), UvMaps::any, triangle_signs(mesh)))
-    return std::move(*fit);
-  throw MeshError("mesh", "is none of the surfaces that can be fitted");
 }
 
 std::optional<MeshFit> fit_kinds(const Mesh& mesh, const std::optional<Eigen::Isometry3d>& placement,

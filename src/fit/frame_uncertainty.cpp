@@ -1,7 +1,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -11,6 +10,7 @@
 #include <darboux/project.h>
 #include <darboux/shape_operator.h>
 
+#include "base/degrees.h"
 #include "fit/common/parameter_jet.h"
 #include "fit/primitives/list.h"
 
@@ -18,7 +18,6 @@ namespace darboux {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double degrees = 180 / std::numbers::pi;
 constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
 
 constexpr int most_columns = 6 + most_parameters + 6;
@@ -249,11 +248,11 @@ UncertainFrame uncertain_frame(const PlacedSurface& placed, const SurfaceUncerta
   if (!valid.of_normal) return result;
   const auto turn = turns.topRows<3>();
   const Eigen::Matrix3d covariance = turn.lazyProduct(fit.covariance).eval().lazyProduct(turn.transpose());
-  result.normal_deg = valid.normal * degrees;
+  result.normal_deg = valid.normal * degrees_per_radian;
   result.covariance.topLeftCorner<2, 2>() = covariance.topLeftCorner<2, 2>();
   if (valid.of_tangent) {
     result.covariance = covariance;
-    result.tangent_deg = deviation(variances[1] + variances[2]) * degrees;
+    result.tangent_deg = deviation(variances[1] + variances[2]) * degrees_per_radian;
   }
   return result;
 }
@@ -303,7 +302,7 @@ Truth truth_at(const Fitted<N>& fit, const Vec2<double>& stored, ParameterJet& b
   std::array<double, 4> variances = fit.variances(turns);
   const Validity valid = validity(fit.placed, at, chart, variances);
   if (!valid.of_normal) return truth;
-  truth.normal_deg = valid.normal * degrees;
+  truth.normal_deg = valid.normal * degrees_per_radian;
   if (!valid.of_tangent) return truth;
   const auto& m = convention.affine;
   if (n > map || m[0] == 0 || m[2] != 0) {
@@ -323,7 +322,7 @@ Truth truth_at(const Fitted<N>& fit, const Vec2<double>& stored, ParameterJet& b
     variances = fit.variances(turns);
   }
   const auto& [of_t, of_b, of_n, growth] = variances;
-  if (9 * (of_b + of_n + growth) < 1) truth.tangent_deg = deviation(of_b + of_n) * degrees;
+  if (9 * (of_b + of_n + growth) < 1) truth.tangent_deg = deviation(of_b + of_n) * degrees_per_radian;
   return truth;
 }
 

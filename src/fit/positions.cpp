@@ -15,6 +15,7 @@
 #include "fit/primitives/list.h"
 #include "fit_kinds.h"
 #include "mesh/triangle_signs.h"
+#include "mesh/used_vertices.h"
 
 namespace darboux {
 namespace {
@@ -27,9 +28,7 @@ constexpr double far_share = 10 * fits_below;  // of the size: no vertex is fart
 
 // Vertices that triangles use and whose positions are finite.
 std::vector<std::uint32_t> usable_vertices(const Mesh& mesh) {
-  std::vector<bool> used(mesh.positions.size(), false);
-  for (const Triangle& triangle : mesh.triangles)
-    for (const std::uint32_t v : triangle) used[v] = true;
+  const std::vector<bool> used = used_vertices(mesh);
   std::vector<std::uint32_t> result;
   for (std::uint32_t v = 0; v < used.size(); ++v)
     if (used[v] && detail::finite(mesh.positions[v])) result.push_back(v);

@@ -26,6 +26,9 @@ std::string read_file(const std::string& path);
 /// (SIGBUS). Replacing the file by another of its name, as OutputFile does, is harmless. \throws FileError
 Piece map_file(const std::string& path);
 
+/// Whether a regular file is a glTF by its content ("glTF") or its extension. \throws FileError
+bool is_gltf(const std::string& path);
+
 /// Text of the file or the user made fit for a one-line message: quoted, on one line, shortened.
 std::string in_quotes(std::string_view text);
 

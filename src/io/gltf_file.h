@@ -98,9 +98,6 @@ constexpr std::uint32_t json_chunk = 0x4E4F534A, bin_chunk = 0x004E4942;
 /// glTF's numbers for the uses of a bufferView.
 constexpr int vertex_target = 34962, index_target = 34963;
 
-/// Whether a regular file is a glTF by its content ("glTF") or its extension. \throws FileError
-bool is_gltf(const std::string& path);
-
 /// Reads the container, parses the document, loads its buffers, and undoes EXT_meshopt_compression and
 /// KHR_draco_mesh_compression: what is left is a document without them. \throws FileError
 GltfFile load_gltf(const std::string& path, Piece bytes, const ReadOptions& options = {});

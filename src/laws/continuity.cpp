@@ -1,6 +1,7 @@
 // Positions and first partials do not jump, along lines of constant u and of constant v.
 #include <algorithm>
 
+#include "base/bounds.h"
 #include "law.h"
 
 namespace darboux::laws {
@@ -47,13 +48,10 @@ bool less(double x, double y) {
 }
 
 double extent_of(const Points& points) {
-  Vec3<double> least = points.list.front().j.position, most = least;
-  for (const Point& p : points.list) {
-    const Vec3<double>& x = p.j.position;
-    least = {std::fmin(least.x, x.x), std::fmin(least.y, x.y), std::fmin(least.z, x.z)};
-    most = {std::fmax(most.x, x.x), std::fmax(most.y, x.y), std::fmax(most.z, x.z)};
-  }
-  return norm(most - least);
+  const Vec3<double>& first = points.list.front().j.position;
+  Bounds box{first, first};
+  for (const Point& p : points.list) box.add(p.j.position);
+  return box.diagonal();
 }
 
 }  // namespace

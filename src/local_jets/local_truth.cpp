@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -12,8 +11,10 @@
 #include <darboux/local_jets.h>
 #include <darboux/local_truth.h>
 
+#include "base/degrees.h"
 #include "batch.h"
 #include "mesh/frames/corner.h"
+#include "mesh/largest_coordinate.h"
 #include "mesh/triangle_signs.h"
 
 namespace darboux {
@@ -36,7 +37,7 @@ Truth no_truth() {
 // A direction of which three standard deviations are a radian is not known: beyond first order, as next to a
 // pole.
 double deviation_deg(double error) {
-  return 3 * error < 1 ? 180 / std::numbers::pi * error : infinite;
+  return 3 * error < 1 ? degrees_per_radian * error : infinite;
 }
 
 Truth truth_of(const UvJet& jet, double winding) {
@@ -91,13 +92,10 @@ class LocalTruth {
   LocalTruth(const Mesh& mesh, const Rings& rings, bool by_uvs)
       : mesh_(mesh), rings_(rings), by_uvs_(by_uvs), is_finite_(mesh.positions.size()) {
     for (std::size_t v = 0; v < is_finite_.size(); ++v)
-      is_finite_[v] = detail::finite(mesh.positions[v]) &&
-                      (!by_uvs || (std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y)));
+      is_finite_[v] = detail::finite(mesh.positions[v]) && (!by_uvs || detail::finite(mesh.uvs[v]));
     if (by_uvs) return;
     across_.resize(rings.size());
-    double largest = 0;
-    for (const Vec3<double>& p : mesh.positions)
-      if (detail::finite(p)) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+    const double largest = largest_coordinate(mesh.positions);
     const double scale = largest > 0 ? std::ldexp(1, -std::ilogb(largest) - 1) : 1;  // products stay in range
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto& [a, b, c] = mesh.triangles[t];

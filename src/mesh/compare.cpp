@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <string>
 #include <unordered_map>
@@ -17,6 +16,7 @@
 #include <darboux/triangle.h>
 #include <darboux/weld.h>
 
+#include "base/degrees.h"
 #include "base/text.h"
 #include "triangle_signs.h"
 
@@ -338,7 +338,7 @@ void compare_tangents(const Joint& joint, const Partners& partners, double max_a
       within += equal;
       continue;
     }
-    const double deg = equal ? 0 : 180 / std::numbers::pi * angle_between(s.xyz(), t.xyz());
+    const double deg = equal ? 0 : degrees_per_radian * angle_between(s.xyz(), t.xyz());
     angles.push_back(deg);
     within += equal || (max_angle_deg > 0 && deg <= max_angle_deg && s.w == t.w);
     if (!equal && (!result.worst || deg > result.worst->deg))

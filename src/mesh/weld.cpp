@@ -8,6 +8,7 @@
 
 #include "base/disjoint_sets.h"
 #include "base/hash_table.h"
+#include "largest_coordinate.h"
 
 namespace darboux {
 namespace {
@@ -153,9 +154,7 @@ class Boxes {
 
 std::vector<std::uint32_t> weld(std::span<const Vec3<double>> points, double tolerance) {
   if (!(tolerance >= 0 && std::isfinite(tolerance))) tolerance = 0;
-  double largest = 0;
-  for (const auto& p : points)
-    if (detail::finite(p)) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  const double largest = largest_coordinate(points);
   // Cells of 16 tolerances: a point is near a cell's face, and its neighbour must be looked at, in one case
   // of eight. Never finer than 2^-60 of the largest coordinate, so that cell numbers fit 64 bits.
   const double size = std::max({16 * tolerance, largest * 0x1p-60, std::numeric_limits<double>::min()});

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -8,6 +7,7 @@
 #include <darboux/error.h>
 #include <darboux/frame.h>
 
+#include "base/degrees.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "normal_map/corners.h"
@@ -20,8 +20,6 @@
 
 namespace darboux {
 namespace {
-
-constexpr double degrees = 180 / std::numbers::pi;
 
 void check(const BakeOptions& options) {
   const auto expect = [](bool good, const char* name, const char* expected, const std::string& got) {
@@ -110,8 +108,8 @@ void look_at(const PlacedSurface& surface, const MapPiece& piece, const BakeResu
                 lowest](const normal_map::PointInside& point) mutable {
           frames.start_row(point.weights);
           const Vec3<double> shaded = normal_map::times(frames.at(0), sampler.at(point.uv));
-          const double without = angle_between(point.normal, point.truth) * degrees,
-                       with = angle_between(shaded, point.truth) * degrees;
+          const double without = angle_between(point.normal, point.truth) * degrees_per_radian,
+                       with = angle_between(shaded, point.truth) * degrees_per_radian;
           if (!std::isfinite(without) || !std::isfinite(with)) return;
           angles[static_cast<std::size_t>(lowest)].without.push_back(without);
           angles[static_cast<std::size_t>(lowest)].with.push_back(with);
@@ -158,7 +156,7 @@ BakeResult bake_normal_map(const PlacedSurface& surface, std::span<const MapPiec
                          ? 0x1p-24
                          : (options.dither ? 2 : 1) / normal_map::most_of(options.type);
   result.bound_deg =
-      std::asin(std::fmin(1, result.map.condition * (std::sqrt(3.0) * off + 0x1p-23))) * degrees;
+      std::asin(std::fmin(1, result.map.condition * (std::sqrt(3.0) * off + 0x1p-23))) * degrees_per_radian;
   if (result.map.conflicts != 0) return result;
   AnglesByClass angles;
   for (const MapPiece& piece : pieces)

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 
 #include <darboux/check_normal_map.h>
@@ -9,6 +8,7 @@
 #include <darboux/frame.h>
 #include <darboux/mesh_classes.h>
 
+#include "base/degrees.h"
 #include "base/text.h"
 #include "normal_map/covered.h"
 #include "normal_map/flat.h"
@@ -16,8 +16,6 @@
 
 namespace darboux {
 namespace {
-
-constexpr double degrees = 180 / std::numbers::pi;
 
 void check_image(const Image& map) {
   const std::size_t samples = std::visit([](const auto& s) { return s.size(); }, map.samples);
@@ -267,7 +265,7 @@ MapDifference compare_normal_maps(const Image& a, const Image& b, std::span<cons
     const std::int32_t island = islands.of(i);
     if (island < 0) continue;
     const Vec3<double> x = of_a(i), y = of_b(i);
-    const double angle = angle_between(x, y) * degrees, lengths = norm(x) * norm(y);
+    const double angle = angle_between(x, y) * degrees_per_radian, lengths = norm(x) * norm(y);
     if (!(lengths > 0) || !std::isfinite(lengths)) {
       ++result.not_finite;
       continue;

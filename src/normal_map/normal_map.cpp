@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
-#include <numbers>
 #include <numeric>
 #include <string>
 
@@ -11,6 +10,7 @@
 #include <darboux/frame.h>
 #include <darboux/normal_map.h>
 
+#include "base/degrees.h"
 #include "base/parallel.h"
 #include "base/text.h"
 #include "normal_map/corners.h"
@@ -439,11 +439,11 @@ class Converter {
       if (!result_.first_conflict) result_.first_conflict = t.first_conflict;
     }
     result_.condition = std::sqrt(condition_square);
-    constexpr double degrees = 180 / std::numbers::pi;
-    result_.quantisation_max_deg = 2 * std::asin(std::fmin(1, std::sqrt(chord_square_max) / 2)) * degrees;
+    result_.quantisation_max_deg =
+        2 * std::asin(std::fmin(1, std::sqrt(chord_square_max) / 2)) * degrees_per_radian;
     if (result_.covered > 0)
       result_.quantisation_rms_deg =
-          std::sqrt(chord_square_sum / static_cast<double>(result_.covered)) * degrees;
+          std::sqrt(chord_square_sum / static_cast<double>(result_.covered)) * degrees_per_radian;
   }
 
   const Image& map_;

@@ -111,9 +111,9 @@ std::string verdict_summary(const std::vector<Study>& studies) {
   add(OrderVerdict::as_expected, true, "as expected");
   add(OrderVerdict::faster, true, "faster");
   add(OrderVerdict::at_the_floor, true, "at the floor");
-  add(OrderVerdict::does_not_converge, true, "not converging, as expected");
+  add(OrderVerdict::does_not_converge, true, "without convergence, where none is expected");
   add(OrderVerdict::slower, false, "slower than expected");
-  add(OrderVerdict::does_not_converge, false, "not converging, though expected to");
+  add(OrderVerdict::does_not_converge, false, "without convergence, where it is expected");
   const auto rare = std::count_if(studies.begin(), studies.end(), [](const Study& s) {
     return s.verdict != OrderVerdict::does_not_converge && !s.max_converges();
   });

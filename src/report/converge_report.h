@@ -20,7 +20,7 @@ nlohmann::ordered_json studies_json(const std::vector<Study>& studies);
 /// order that does not exist is an empty field.
 std::string studies_csv(const std::vector<Study>& studies);
 
-/// "405 studies: 269 as expected, 3 faster, 91 at the floor, 42 not converging, as expected".
+/// "405 studies: 269 as expected, 3 faster, 91 at the floor, 42 without convergence, where none is expected".
 std::string verdict_summary(const std::vector<Study>& studies);
 
 /// Orders of the tangents for a terminal: a block for every surface and mesh, a row per method, a column per

@@ -183,8 +183,8 @@ class Plot {
 
 }  // namespace
 
-std::string convergence_picture(const ConvergeOptions& options, const std::vector<Study>& studies,
-                                int shown_rows) {
+std::string convergence_picture(const ConvergeOptions& options, const std::vector<Study>& studies) {
+  constexpr int shown_rows = 16;
   std::vector<const Study*> drawn;
   for (const Study& s : studies)
     if (s.surface == studies.front().surface && s.mesh == studies.front().mesh && s.quantity == "tangent" &&

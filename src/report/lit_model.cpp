@@ -1,12 +1,12 @@
 #include "lit_model.h"
 
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <string>
 
 #include <darboux/error.h>
 
+#include "base/bounds.h"
 #include "base/text.h"
 #include "normal_map/corners.h"
 #include "normal_map/covered.h"
@@ -50,19 +50,15 @@ std::vector<PictureVertex> vertices_of(const MapPiece& piece, const LitModelOpti
 
 Camera camera_of(std::span<const MapPiece> pieces, const LitModelOptions& options) {
   const Eigen::Matrix3d axes = Camera::look_at({0.5, 0.6, 1}, Eigen::Vector3d::Zero(), {0, 1, 0}).linear();
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Vec3<double> least{infinity, infinity, infinity}, greatest = -least;
+  Bounds box;
   for (const MapPiece& piece : pieces)
-    for (const Vec3<double>& position : piece.mesh.positions) {
-      const Vec3<double> p = from_eigen(axes.transpose() * to_eigen(position));
-      least = {std::fmin(least.x, p.x), std::fmin(least.y, p.y), std::fmin(least.z, p.z)};
-      greatest = {std::fmax(greatest.x, p.x), std::fmax(greatest.y, p.y), std::fmax(greatest.z, p.z)};
-    }
+    for (const Vec3<double>& position : piece.mesh.positions)
+      box.add(from_eigen(axes.transpose() * to_eigen(position)));
   Camera pixels;
   pixels.width_px = options.width;
   pixels.height_px = options.height;
-  greatest.z += 1e-3 * norm(greatest - least);  // a flat model has a depth too
-  return view_along(axes, least, greatest, pixels);
+  box.high.z += 1e-3 * box.diagonal();  // a flat model has a depth too
+  return view_along(axes, box.low, box.high, pixels);
 }
 
 }  // namespace

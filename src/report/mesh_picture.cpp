@@ -61,15 +61,12 @@ Json mesh_picture(const Mesh& mesh, const PictureOf& of) {
   std::array<Interval, 3> box;
   std::array<Interval, 2> square;
   for (Interval& range : square) range = {0, 1};
-  const auto finite_uv = [&](std::uint32_t v) {
-    return std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y);
-  };
   for (const std::uint32_t v : vertices) {
     const Vec3<double>& p = mesh.positions[v];
     box[0].add(p.x);
     box[1].add(p.y);
     box[2].add(p.z);
-    if (mesh.uvs.empty() || !finite_uv(v)) continue;
+    if (mesh.uvs.empty() || !detail::finite(mesh.uvs[v])) continue;
     square[0].add(mesh.uvs[v].x);
     square[1].add(mesh.uvs[v].y);
   }
@@ -81,7 +78,7 @@ Json mesh_picture(const Mesh& mesh, const PictureOf& of) {
     for (const auto& [range, x] : {std::pair{box[0], p.x}, {box[1], p.y}, {box[2], p.z}})
       places.push_back(range.share(x, 0xffff));
     if (!mesh.uvs.empty()) {
-      const bool finite = finite_uv(v);
+      const bool finite = detail::finite(mesh.uvs[v]);
       uvs.push_back(finite ? square[0].share(mesh.uvs[v].x, 0xfffe) : 0xffff);
       uvs.push_back(finite ? square[1].share(mesh.uvs[v].y, 0xfffe) : 0xffff);
     }

@@ -7,6 +7,8 @@
 #include <darboux/fit_points.h>
 #include <darboux/frame.h>
 
+#include "base/bounds.h"
+#include "base/degrees.h"
 #include "measure.h"
 
 namespace darboux::sweeps {
@@ -54,15 +56,10 @@ Cloud cloud_at(std::string_view sweep, double x) {
 
 // Half the largest extent, as a power of two, so that a scaled surface has scaled points.
 double size_of(const AnySurface& surface) {
-  Vec3<double> low{laws::infinity, laws::infinity, laws::infinity}, high = -low;
+  Bounds box;
   for (int i = 0; i <= 16; ++i)
-    for (int k = 0; k <= 16; ++k) {
-      const Vec3<double> p = surface.jet(i / 16.0, k / 16.0).position;
-      low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
-      high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
-    }
-  const double extent = std::fmax(high.x - low.x, std::fmax(high.y - low.y, high.z - low.z));
-  return std::exp2(std::round(std::log2(extent / 2)));
+    for (int k = 0; k <= 16; ++k) box.add(surface.jet(i / 16.0, k / 16.0).position);
+  return std::exp2(std::round(std::log2(box.longest_side() / 2)));
 }
 
 // Points on the surface, uniform by area over the middle of its chart, with noise; outliers in the box about
@@ -79,21 +76,20 @@ PointCloud points_on(const AnySurface& surface, const Cloud& cloud, Numbers& ran
     for (int k = 0; k <= 32; ++k)
       largest = std::fmax(largest, area(0.5 + half * (i / 16.0 - 1), 0.5 + half * (k / 16.0 - 1)));
   const int good = cloud.points - static_cast<int>(std::lround(cloud.outliers * cloud.points));
-  Vec3<double> low{laws::infinity, laws::infinity, laws::infinity}, high = -low;
+  Bounds box;
   while (static_cast<int>(result.positions.size()) < good) {
     const double u = random.uniform(0.5 - half, 0.5 + half), v = random.uniform(0.5 - half, 0.5 + half);
     if (random.uniform(0, 1.1 * largest) > area(u, v)) continue;
     const Vec3<double> p = surface.jet(u, v).position;
-    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
-    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
+    box.add(p);
     result.positions.push_back(p + noise * Vec3<double>{random.normal(), random.normal(), random.normal()});
   }
   // As far beyond the surface in every direction: flat ones have outliers above and below.
-  const double margin = 0.125 * std::fmax(high.x - low.x, std::fmax(high.y - low.y, high.z - low.z));
+  const double margin = 0.125 * box.longest_side();
   while (static_cast<int>(result.positions.size()) < cloud.points)
-    result.positions.push_back({random.uniform(low.x - margin, high.x + margin),
-                                random.uniform(low.y - margin, high.y + margin),
-                                random.uniform(low.z - margin, high.z + margin)});
+    result.positions.push_back({random.uniform(box.low.x - margin, box.high.x + margin),
+                                random.uniform(box.low.y - margin, box.high.y + margin),
+                                random.uniform(box.low.z - margin, box.high.z + margin)});
   return result;
 }
 
@@ -122,8 +118,7 @@ void compare_normals(const AnySurface& surface, const PointFit& fit, double half
       const UncertainFrame found = frame_near(fit, truth.jet.position);
       const double angle = angle_between_units(truth.frame.n, found.n) * 180 / std::numbers::pi;
       // The side of a fitted surface is its own affair.
-      add(frames_quantity, "normal", std::fmin(angle, 180 - angle), found.normal_deg, 180 / std::numbers::pi,
-          uv);
+      add(frames_quantity, "normal", std::fmin(angle, 180 - angle), found.normal_deg, degrees_per_radian, uv);
     }
 }
 

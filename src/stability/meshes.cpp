@@ -8,6 +8,7 @@
 #include <darboux/mesh_frames.h>
 #include <darboux/sample_mesh.h>
 
+#include "base/bounds.h"
 #include "measure.h"
 
 namespace darboux::sweeps {
@@ -113,12 +114,10 @@ struct Stored {
 Stored stored(const Mesh& exact, std::string_view sweep, double x) {
   Stored result{exact, x / 2, 1};
   Mesh& mesh = result.mesh;
-  Vec3<double> low = mesh.positions.front(), high = low;
-  for (const Vec3<double>& p : mesh.positions) {
-    low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
-    high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
-  }
-  const double size = std::fmax(high.x - low.x, std::fmax(high.y - low.y, high.z - low.z));
+  Bounds box;
+  for (const Vec3<double>& p : mesh.positions) box.add(p);
+  const Vec3<double>& low = box.low;
+  const double size = box.longest_side();
   if (sweep == "float_offset") {
     double largest = 0;
     for (Vec3<double>& p : mesh.positions) {

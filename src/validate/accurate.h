@@ -49,7 +49,7 @@ class Accurate {
   double tangents_agree() const { return tangents_agree_; }
   // Whether angles beyond the limit are errors. \param diagnosed as one named mistake
   bool decides(double agree, bool diagnosed) const { return declared() || diagnosed || agree >= enough; }
-  static constexpr double enough = 0.8;
+  static constexpr double enough = 0.8;  // where fewer agree, one mistake is looked for (diagnose.h)
 
  private:
   void find_sides(const Mesh& mesh, std::span<const signed char> side,

@@ -5,7 +5,9 @@
 
 #include <darboux/frame.h>
 
+#include "base/degrees.h"
 #include "base/flatten.h"
+#include "mesh/area_vector.h"
 
 namespace darboux {
 
@@ -34,10 +36,9 @@ std::vector<bool> inward_vertices(const Mesh& mesh, std::span<const Truth> truth
   std::vector<bool> inward = opposed_vertices(mesh, truth);
   if (std::find(inward.begin(), inward.end(), true) == inward.end()) return inward;
   std::vector<std::int32_t> against(mesh.positions.size(), 0);  // less those that agree
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3<double> face =
-        cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
-    for (const std::uint32_t v : {a, b, c})
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3<double> face = area_vector(mesh, t);
+    for (const std::uint32_t v : t)
       if (inward[v]) against[v] += dot(face, truth[v].normal) < 0 ? 1 : -1;
   }
   for (std::size_t v = 0; v < inward.size(); ++v) inward[v] = against[v] > 0;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <numbers>
 #include <span>
 #include <vector>
 
@@ -12,8 +11,6 @@
 #include "sound.h"
 
 namespace darboux {
-
-inline constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
 // The part of a vector that is square to n.
 inline Vec3<double> square_to(const Vec3<double>& a, const Vec3<double>& n) {

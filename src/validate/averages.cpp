@@ -51,8 +51,8 @@ Averages::Averages(const MeshUnderTest& under_test, const Accurate& accurate,
 
 bool Averages::tangent(std::uint32_t v, int sign) const {
   if (tangents_.empty()) return false;
-  const std::size_t at = 2 * std::size_t{v};
-  return sign < 0 ? tangents_[at] : sign > 0 ? tangents_[at + 1] : tangents_[at] || tangents_[at + 1];
+  if (sign != 0) return tangents_[signed_index(v, sign)];
+  return tangents_[signed_index(v, -1)] || tangents_[signed_index(v, 1)];
 }
 
 }  // namespace darboux

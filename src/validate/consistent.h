@@ -51,7 +51,7 @@ namespace darboux {
 
 // The index of an entry in vectors with two entries per vertex, one for its triangles of each raw sign:
 // clockwise first.
-inline std::size_t place_of(std::uint32_t v, int sign) {
+inline std::size_t signed_index(std::uint32_t v, int sign) {
   return 2 * std::size_t{v} + (sign > 0 ? 1 : 0);
 }
 
@@ -91,6 +91,8 @@ class Cones {
     std::uint32_t place;  // in claims_
     float deg, middle, half;
   };
+  // Null where there is none.
+  const Outside* outside_at(std::uint32_t place) const;
   // Claims nothing of those that are MikkTSpace's.
   void leave_out_mikktspaces(const Mesh& mesh, std::span<const signed char> raw_sign,
                              const MikktspaceReference& mikktspace, std::span<const double> limit_deg);

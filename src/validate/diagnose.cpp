@@ -9,9 +9,11 @@
 
 #include <darboux/frame.h>
 
+#include "base/degrees.h"
 #include "base/linear_algebra.h"
 #include "base/text.h"
 #include "findings.h"
+#include "mesh/area_vector.h"
 #include "normal_cones.h"
 
 namespace darboux {
@@ -20,7 +22,6 @@ namespace {
 constexpr std::size_t most_samples = 4096, least_samples = 10;
 // Normals of a map have no error of discretisation; eight unknowns fit a few of them whatever they are.
 constexpr std::size_t least_normals = 50;
-constexpr double most = 0.9, diagnosed_below = 0.8;
 
 struct Pair {
   std::size_t corner;            // or vertex, of normals
@@ -30,7 +31,7 @@ struct Pair {
 };
 
 double angle_deg(const Vec3<double>& a, const Vec3<double>& b) {
-  return 180 / std::numbers::pi * angle_between(a, b);
+  return degrees_per_radian * angle_between(a, b);
 }
 
 std::vector<Pair> samples_of(const MeshUnderTest& under_test,
@@ -81,14 +82,13 @@ bool follow_other_axes(const MeshUnderTest& under_test, const std::vector<Pair>&
   const std::size_t corners = mesh.corners();
   std::optional<MikktspaceReference> swapped;
   const auto along_v = [&](const Pair& s) {
-    const Vec4<float>& t = swapped->at(s.corner, mesh.triangles[s.corner / 3][s.corner % 3]);
-    return Vec3<double>{t.x, t.y, t.z};
+    return direction_of(swapped->at(s.corner, mesh.triangles[s.corner / 3][s.corner % 3]));
   };
   for (const Axes& axes : other_axes) {
     double share = share_within(samples, [&](const Pair& s) { return axes.t * s.t + axes.b * s.b; });
-    if (share < most && axes.b != 0)
+    if (share < explains_most && axes.b != 0)
       share = share_within(samples, [&](const Pair& s) { return axes.b * s.v; });
-    if (share < most && axes.b != 0 && !mesh.normals.empty() && !mesh.uvs.empty()) {
+    if (share < explains_most && axes.b != 0 && !mesh.normals.empty() && !mesh.uvs.empty()) {
       if (!swapped) {
         std::vector<Vec2<double>> uvs;
         for (const Vec2<double>& uv : mesh.uvs) uvs.push_back({uv.y, uv.x});
@@ -96,7 +96,7 @@ bool follow_other_axes(const MeshUnderTest& under_test, const std::vector<Pair>&
       }
       share = share_within(samples, [&](const Pair& s) { return axes.b * along_v(s); });
     }
-    if (share < most) continue;
+    if (share < explains_most) continue;
     double raw = 0;
     for (const Pair& s : samples) raw += s.w * s.raw;
     const std::string_view gltf_uvs = raw > 0 ? axes.turns : axes.keeps,
@@ -115,15 +115,14 @@ bool follow_other_uv_set(const MeshUnderTest& under_test, const std::vector<Pair
   if (under_test.mesh.normals.empty()) return false;
   const auto share_of = [&](const MikktspaceReference& mikktspace) {
     return share_within(samples, [&](const Pair& s) {
-      const Vec4<float>& t = mikktspace.at(s.corner, under_test.mesh.triangles[s.corner / 3][s.corner % 3]);
-      return Vec3<double>{t.x, t.y, t.z};
+      return direction_of(mikktspace.at(s.corner, under_test.mesh.triangles[s.corner / 3][s.corner % 3]));
     });
   };
   // A set may be a copy of the mesh's own.
   const double own = under_test.mikktspace.empty() ? 0 : share_of(under_test.mikktspace);
   for (const auto& [set, uvs] : options.other_uvs) {
     const double share = share_of(mikktspace_reference(under_test.mesh, uvs, options.threads));
-    if (share < most || share <= own) continue;
+    if (share < explains_most || share <= own) continue;
     add(report, finding(Code::tangent_uv_set, under_test.mesh.corners(),
                         ": MikkTSpace's of TEXCOORD_" + std::to_string(set)));
     return true;
@@ -146,7 +145,7 @@ std::optional<double> turn_deg_of(const Mesh& mesh, const std::vector<Pair>& sam
   if (std::fabs(turn) * 180 / std::numbers::pi < 3 * limit) return std::nullopt;
   const double share =
       share_within(samples, [&](const Pair& s) { return cosine * s.t + sine * cross(unit(normal(s)), s.t); });
-  if (share < most) return std::nullopt;
+  if (share < explains_most) return std::nullopt;
   return turn * 180 / std::numbers::pi;
 }
 
@@ -199,7 +198,7 @@ std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, doubl
   std::size_t within = 0;
   for (const Pair& s : samples)
     within += angle_deg(s.t, from_eigen(Eigen::Vector3d(m * to_eigen(s.stored)))) <= limit;
-  if (static_cast<double>(within) < most * static_cast<double>(samples.size())) return std::nullopt;
+  if (static_cast<double>(within) < explains_most * static_cast<double>(samples.size())) return std::nullopt;
   const Eigen::Vector3d singular = singular_value_decomposition(m).values, scale = singular / singular[2];
   if (!(scale[0] < 1e3)) return std::nullopt;
   const bool even = scale[0] < 1.01;
@@ -225,7 +224,7 @@ std::optional<std::string> rotation_of(const std::vector<Pair>& samples) {
   if (r.determinant() < 0) return std::nullopt;
   const double share =
       share_within(samples, [&](const Pair& s) { return from_eigen(r.transpose() * to_eigen(s.t)); });
-  if (share < most) return std::nullopt;
+  if (share < explains_most) return std::nullopt;
   return ": by a map that turns";
 }
 
@@ -238,9 +237,7 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
   std::vector<bool> is_bent(mesh.positions.size(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!under_test.has_area[t]) continue;
-    const auto& [a, b, c] = mesh.triangles[t];
-    const Vec3<double> n =
-        unit(cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]));
+    const Vec3<double> n = unit(area_vector(mesh, mesh.triangles[t]));
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (plane[v] == Vec3<double>{}) plane[v] = n;
       is_bent[v] = is_bent[v] || !(angle_deg(plane[v], n) <= same_plane);
@@ -283,12 +280,12 @@ bool are_averages(const MeshUnderTest& under_test, const std::vector<Pair>& samp
       are_average_normals(under_test.mesh, joins_of(under_test, of_part), asked);
   const auto averages =
       std::count_if(samples.begin(), samples.end(), [&](const Pair& s) { return average[s.corner]; });
-  return static_cast<double>(averages) > (1 - diagnosed_below) * static_cast<double>(samples.size());
+  return static_cast<double>(averages) > (1 - Accurate::enough) * static_cast<double>(samples.size());
 }
 
 bool are_off(const std::vector<Pair>& samples) {
   return samples.size() >= least_samples &&
-         share_within(samples, [](const Pair& s) { return s.t; }) < diagnosed_below;
+         share_within(samples, [](const Pair& s) { return s.t; }) < Accurate::enough;
 }
 
 // \param map_limit of what a map with eight unknowns explains
@@ -320,7 +317,7 @@ bool diagnose_tangents(const MeshUnderTest& under_test,
   const std::size_t corners = under_test.mesh.corners();
   const std::vector<Pair> samples = samples_of(under_test, reference, limit);
   if (samples.size() < least_samples) return !held && are_turned(under_test, samples, limit, report);
-  if (share_within(samples, [](const Pair& s) { return s.t; }) >= diagnosed_below) return false;
+  if (share_within(samples, [](const Pair& s) { return s.t; }) >= Accurate::enough) return false;
   if (follow_other_uv_set(under_test, samples, options, report)) return true;
   if (held) return false;
   if (follow_other_axes(under_test, samples, options, report)) return true;
@@ -344,7 +341,7 @@ bool diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
     samples.push_back({v, unit(mesh.normals[v]), accurate.inward(vertex) ? -n : n, {}, {}, 1, 1, limit});
   }
   if (samples.size() < least_samples) return false;
-  if (share_within(samples, [](const Pair& s) { return -s.t; }) >= most) return true;
+  if (share_within(samples, [](const Pair& s) { return -s.t; }) >= explains_most) return true;
   if (samples.size() < least_normals) return false;
   const std::optional<std::string> map = linear_map_of(samples, limit / 5);
   if (map) add(report, finding(Code::normal_stale, mesh.corners(), *map));

@@ -8,6 +8,9 @@
 
 namespace darboux {
 
+// Of corners: one cause is named that explains so many.
+inline constexpr double explains_most = 0.9;
+
 // The directions of u and v that a reference gives a corner; NaN where it gives none.
 struct Directions {
   Vec3<double> t, b;

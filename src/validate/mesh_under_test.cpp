@@ -58,6 +58,12 @@ void add_references(MeshUnderTest& under_test, const ValidateOptions& options) {
                             : local_truth(mesh, join_equal_vertices(mesh, false), false);
 }
 
+std::vector<bool> poles(std::span<const Truth> truth) {
+  std::vector<bool> result;
+  for (const Truth& t : truth) result.push_back(t.pole);
+  return result;
+}
+
 void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_pole,
                        const ValidateOptions& options) {
   const Mesh& mesh = under_test.mesh;

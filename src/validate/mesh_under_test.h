@@ -51,6 +51,9 @@ void add_references(MeshUnderTest& under_test, const ValidateOptions& options);
 void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_pole,
                        const ValidateOptions& options);
 
+// Of each vertex whether the truth there is a pole's.
+std::vector<bool> poles(std::span<const Truth> truth);
+
 // validate() of what is prepared. \param truth at each vertex, or none \param basis of the truth
 MeshReport validate(const MeshUnderTest& under_test, std::span<const Truth> truth, Basis basis,
                     const ValidateOptions& options);

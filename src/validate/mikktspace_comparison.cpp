@@ -8,6 +8,7 @@
 #include <darboux/frame.h>
 
 #include "accurate.h"
+#include "base/degrees.h"
 #include "base/flatten.h"
 #include "rounding.h"
 
@@ -70,8 +71,7 @@ MikkVariant variant(const Mesh& mesh, std::span<const std::uint32_t> corners_of,
 double from_mikktspaces_deg(const Mesh& mesh, std::uint32_t v, const Vec4<float>& m) {
   if (m.w == 0) return -1;
   const Vec3<double>& n = mesh.normals[v];
-  const Vec3<double> to{m.x, m.y, m.z};
-  const double apart = angle_between(square_to(mesh.tangents[v].xyz(), n), square_to(to, n));
+  const double apart = angle_between(square_to(mesh.tangents[v].xyz(), n), square_to(direction_of(m), n));
   return degrees_per_radian * std::fmax(apart - tangent_rounding(mesh, v), 0);
 }
 
@@ -80,7 +80,7 @@ double from_mikktspaces_deg(const Mesh& mesh, std::uint32_t v, const Vec4<float>
 DARBOUX_FLATTEN Angles angles_to_mikktspace(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks,
                                             const Vec4<float>& m, bool raw) {
   const Vec4<double>& t = mesh.tangents[v];
-  const Vec3<double> direction{m.x, m.y, m.z};
+  const Vec3<double> direction = direction_of(m);
   Angles a;
   a.tangent = a.projected_tangent = degrees_per_radian * angle_between(t.xyz(), direction);
   if (checks.has_normal && checks.sign_valid)
@@ -130,7 +130,7 @@ std::vector<bool> are_mikktspaces(const Mesh& mesh, std::span<const signed char>
   if (mikktspace.empty()) return result;
   for (std::size_t c = 0; c < mesh.corners(); ++c) {
     const std::uint32_t v = mesh.triangles[c / 3][c % 3];
-    const std::size_t place = place_of(v, raw_sign[c / 3]);
+    const std::size_t place = signed_index(v, raw_sign[c / 3]);
     if (raw_sign[c / 3] == 0 || !asked[place]) continue;
     const double deg = from_mikktspaces_deg(mesh, v, mikktspace.at(c, v));
     if (deg < 0) continue;

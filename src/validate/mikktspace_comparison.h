@@ -29,10 +29,10 @@ MikktspaceComparison compare_with_mikktspace(const MeshUnderTest& under_test,
 Angles angles_to_mikktspace(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks,
                             const Vec4<float>& m, bool raw);
 
-// For each entry that is asked about, by vertex and sign of its triangles as place_of() numbers them: whether
-// the stored tangent is within the limit of MikkTSpace's at a corner there, or MikkTSpace gives none at any
-// of these. The weight of a triangle that is edge-on to the normal is made by roundings, or is none, though
-// the triangle seems to tell a direction. \param mikktspace may be empty: all are false then
+// For each entry that is asked about, by vertex and sign of its triangles as signed_index() numbers them:
+// whether the stored tangent is within the limit of MikkTSpace's at a corner there, or MikkTSpace gives none
+// at any of these. The weight of a triangle that is edge-on to the normal is made by roundings, or is none,
+// though the triangle seems to tell a direction. \param mikktspace may be empty: all are false then
 std::vector<bool> are_mikktspaces(const Mesh& mesh, std::span<const signed char> raw_sign,
                                   const MikktspaceReference& mikktspace, const std::vector<bool>& asked,
                                   std::span<const double> limit_deg);

@@ -41,6 +41,10 @@ class MikktspaceReference {
   std::vector<Other> others_;
 };
 
+inline Vec3<double> direction_of(const Vec4<float>& tangent) {
+  return {tangent.x, tangent.y, tangent.z};
+}
+
 // MikkTSpace's under some uvs. Triangles with numbers that are not finite are left out.
 MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads,
                                          bool sort_all_edges = false);

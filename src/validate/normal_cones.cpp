@@ -11,9 +11,9 @@
 #include <span>
 
 #include <darboux/frame.h>
-#include <darboux/mesh_frames.h>
 
 #include "angles.h"
+#include "base/degrees.h"
 
 namespace darboux {
 namespace {

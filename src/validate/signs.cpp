@@ -6,6 +6,8 @@
 #include <darboux/frame.h>
 
 #include "angles.h"
+#include "base/degrees.h"
+#include "mesh/area_vector.h"
 #include "rounding.h"
 
 namespace darboux {
@@ -49,13 +51,10 @@ bool Signs::counts(std::uint32_t t) const {
 
 bool Signs::counts(std::uint32_t t, std::uint32_t v) const {
   if (!checks_[v].sign_valid || !checks_[v].has_tangent) return false;
-  if (!all_round_.empty() && all_round_[2 * std::size_t{v} + (under_test_.raw_sign[t] > 0 ? 1 : 0)])
-    return false;
+  if (!all_round_.empty() && all_round_[signed_index(v, under_test_.raw_sign[t])]) return false;
   if (!checks_[v].has_normal || under_test_.normals.all_oppose) return true;
   const Mesh& mesh = under_test_.mesh;
-  const auto& [a, b, c] = mesh.triangles[t];
-  const Vec3<double> plane =
-      cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
+  const Vec3<double> plane = area_vector(mesh, mesh.triangles[t]);
   const Vec3<double>& n = mesh.normals[v];
   const double along = dot(n, plane), least = std::cos(supported_deg / degrees_per_radian);
   return along > 0 && along * along >= least * least * dot(n, n) * dot(plane, plane);

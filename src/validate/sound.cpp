@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <tuple>
 #include <utility>
@@ -11,8 +10,12 @@
 #include <darboux/mesh_frames.h>
 
 #include "angles.h"
+#include "base/bounds.h"
+#include "base/degrees.h"
 #include "base/flatten.h"
+#include "mesh/area_vector.h"
 #include "mesh/frames/creases.h"
+#include "mesh/largest_coordinate.h"
 #include "normal_cones.h"
 #include "rounding.h"
 #include "transferred_normals.h"
@@ -20,8 +23,6 @@
 namespace darboux {
 namespace {
 
-constexpr double orthogonal_tolerance = 0.02;    // of t·n
-constexpr double along_normal_tolerance = 0.26;  // 75 degrees
 constexpr double faceted_deg = 0.1;
 constexpr double most_against = 0.99;
 
@@ -35,10 +36,8 @@ struct Plane {
 class Planes {
  public:
   explicit Planes(const Mesh& mesh) : mesh_(mesh), scale_(1) {
-    double largest = 0;  // finite ones only
-    for (const Vec3<double>& p : mesh.positions)
-      if (detail::finite(p)) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
-    if (largest > 0) scale_ = std::ldexp(1.0, -std::clamp(std::ilogb(largest) + 1, -1000, 1000));
+    if (const double largest = largest_coordinate(mesh.positions); largest > 0)
+      scale_ = std::ldexp(1.0, -std::clamp(std::ilogb(largest) + 1, -1000, 1000));
   }
 
   DARBOUX_FLATTEN Plane operator()(std::uint32_t t) const {
@@ -212,21 +211,17 @@ std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& ha
   // Whether its numbers have an order.
   const auto is_finite = [&](std::uint32_t t) {
     return std::all_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), [&](std::uint32_t v) {
-      return detail::finite(mesh.normals[v]) &&
-             (mesh.uvs.empty() || (std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y)));
+      return detail::finite(mesh.normals[v]) && (mesh.uvs.empty() || detail::finite(mesh.uvs[v]));
     });
   };
   std::vector<bool> result(mesh.triangles.size(), false);
   std::vector<Oriented> insides;
-  constexpr double infinite = std::numeric_limits<double>::infinity();
-  Vec3<double> low{infinite, infinite, infinite}, high = -low;
+  Bounds box;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!has_area[t]) continue;
     bool any = false;
     for (const std::uint32_t v : mesh.triangles[t]) {
-      const Vec3<double>& p = mesh.positions[v];
-      low = {std::fmin(low.x, p.x), std::fmin(low.y, p.y), std::fmin(low.z, p.z)};
-      high = {std::fmax(high.x, p.x), std::fmax(high.y, p.y), std::fmax(high.z, p.z)};
+      box.add(mesh.positions[v]);
       any = any || asked[v];
     }
     if (any && opposes[t] && is_finite(t)) insides.push_back(oriented(t, true));
@@ -235,7 +230,7 @@ std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& ha
   std::sort(insides.begin(), insides.end(), [](const Oriented& a, const Oriented& b) {
     return std::tie(a.corners, a.along) < std::tie(b.corners, b.along);
   });
-  const double size = norm(high - low);
+  const double size = box.diagonal();
   const auto reach = [&](const Oriented& o) {
     const auto& [a, b, c] = o.vertices;
     double edge = 0;
@@ -273,6 +268,60 @@ std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& ha
   return result;
 }
 
+bool has_any(const std::vector<bool>& list) {
+  return std::find(list.begin(), list.end(), true) != list.end();
+}
+
+// NormalChecks::side. \param agreeing at the first vertex of each position and normal: triangles on its side,
+// less the others \param agrees vertices whose normals a triangle supports for certain
+std::vector<signed char> sides_of(const VertexJoins& joins, const std::vector<std::int32_t>& agreeing,
+                                  std::vector<bool> agrees) {
+  const std::vector<std::uint32_t>& group = joins.position_and_normal;
+  for (std::size_t v = 0; v < agrees.size(); ++v)
+    if (agrees[v]) agrees[group[v]] = true;
+  std::vector<signed char> side(agrees.size(), 0);
+  for (std::size_t v = 0; v < side.size(); ++v)
+    side[v] = agreeing[group[v]] < 0 ? -1 : agrees[group[v]] ? 1 : 0;
+  return side;
+}
+
+// What holds of a vertex holds of all of its position and normal.
+void share(const VertexJoins& joins, std::vector<bool>& of) {
+  for (std::uint32_t v = 0; v < of.size(); ++v)
+    if (of[v]) of[joins.position_and_normal[v]] = true;
+  for (std::uint32_t v = 0; v < of.size(); ++v) of[v] = of[joins.position_and_normal[v]];
+}
+
+// Normals that are asked about, near no triangle that shares them, and no common average of these: at sharp
+// edges and tips no average is nearer.
+std::vector<bool> far_from_all(const Mesh& mesh, const VertexJoins& joins, const std::vector<bool>& asked,
+                               const std::vector<bool>& near) {
+  std::vector<bool> result(asked.size(), false);
+  for (std::size_t v = 0; v < result.size(); ++v) result[v] = asked[v] && !near[v];
+  if (!has_any(result)) return result;
+  const std::vector<bool> average = are_average_normals(mesh, joins, result);
+  for (std::size_t v = 0; v < result.size(); ++v)
+    if (average[v]) result[v] = false;
+  return result;
+}
+
+// NormalChecks::unsupported. \param opposes triangles that oppose all their normals \param asked vertices of
+// triangles with area whose normals have a direction \param supported those by a triangle of their own
+std::vector<bool> unsupported_normals(const Mesh& mesh, const std::vector<bool>& has_area,
+                                      const VertexJoins& joins, const std::vector<bool>& opposes,
+                                      const std::vector<bool>& asked, const std::vector<bool>& supported) {
+  std::vector<bool> result = far_from_all(mesh, joins, asked, supported);
+  if (!has_any(result)) return result;
+  const std::vector<bool> inside = insides_of_hulls(mesh, has_area, opposes, result);
+  std::vector<bool> elsewhere(result.size(), false);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (has_area[t] && !inside[t]) elsewhere[v] = true;
+  for (std::size_t v = 0; v < result.size(); ++v)
+    if (!elsewhere[v]) result[v] = false;
+  return result;
+}
+
 }  // namespace
 
 double cosine_between(const Vec3<double>& t, const Vec3<double>& n) {
@@ -283,10 +332,9 @@ double cosine_between(const Vec3<double>& t, const Vec3<double>& n) {
 std::vector<Vec3<double>> planes_of_vertices(const Mesh& mesh, const VertexJoins& joins) {
   const std::vector<std::uint32_t>& group = joins.position_and_normal;
   std::vector<Vec3<double>> sums(mesh.positions.size());
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3<double> plane =
-        cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
-    for (const std::uint32_t v : {a, b, c}) sums[group[v]] = sums[group[v]] + plane;
+  for (const Triangle& t : mesh.triangles) {
+    const Vec3<double> plane = area_vector(mesh, t);
+    for (const std::uint32_t v : t) sums[group[v]] = sums[group[v]] + plane;
   }
   std::vector<Vec3<double>> result;
   for (const std::uint32_t g : group) result.push_back(sums[g]);
@@ -295,7 +343,7 @@ std::vector<Vec3<double>> planes_of_vertices(const Mesh& mesh, const VertexJoins
 
 VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v) {
   VertexChecks c{.position_finite = detail::finite(mesh.positions[v])};
-  if (!mesh.uvs.empty()) c.uv_finite = std::isfinite(mesh.uvs[v].x) && std::isfinite(mesh.uvs[v].y);
+  if (!mesh.uvs.empty()) c.uv_finite = detail::finite(mesh.uvs[v]);
   if (!mesh.normals.empty()) {
     c.normal_finite = detail::finite(mesh.normals[v]);
     c.normal_unit = is_unit(mesh.normals[v], mesh.half_steps.normal);
@@ -327,8 +375,8 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
                least_near = std::cos(near_deg / degrees_per_radian),
                rounding = std::numbers::sqrt3 * half_step(mesh.half_steps.normal, 1);
   std::vector<bool> asked(n, false), supported(n, false), near(n, false), agrees(n, false);
-  std::vector<std::int32_t> agreeing(n,
-                                     0);  // triangles of the position and normal on its side, less the others
+  // Triangles on the side of a position and normal, less the others.
+  std::vector<std::int32_t> agreeing(n, 0);
   result.drawn.assign(n, false);
   result.faceted.assign(mesh.triangles.size(), false);
   result.opposes.assign(mesh.triangles.size(), false);
@@ -378,53 +426,22 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   }
   result.all_oppose =
       corners > 0 && static_cast<double>(against) >= most_against * static_cast<double>(corners);
-  for (std::uint32_t v = 0; v < n; ++v)
-    if (agrees[v]) agrees[joins.position_and_normal[v]] = true;
-  result.side.assign(n, 0);
-  for (std::uint32_t v = 0; v < n; ++v) {
-    const std::uint32_t group = joins.position_and_normal[v];
-    if (agreeing[group] < 0)
-      result.side[v] = -1;
-    else if (agrees[group])
-      result.side[v] = 1;
-  }
+  result.side = sides_of(joins, agreeing, std::move(agrees));
   result.unsupported.assign(n, false);
   result.may_be_meant.assign(n, false);
   result.departing.assign(n, false);
   if (!result.all_oppose) {
-    for (std::uint32_t v = 0; v < n; ++v) {
-      if (supported[v]) supported[joins.position_and_normal[v]] = true;
-      if (near[v]) near[joins.position_and_normal[v]] = true;
-    }
-    for (std::uint32_t v = 0; v < n; ++v) {
-      result.unsupported[v] = asked[v] && !supported[v] && !supported[joins.position_and_normal[v]];
-      result.departing[v] =
-          asked[v] && !result.unsupported[v] && !near[v] && !near[joins.position_and_normal[v]];
-    }
-    if (std::find(result.departing.begin(), result.departing.end(), true) != result.departing.end()) {
-      const std::vector<bool> average = are_average_normals(mesh, joins, result.departing);
+    for (std::vector<bool>* those : {&supported, &near}) share(joins, *those);
+    result.departing = far_from_all(mesh, joins, asked, near);
+    for (std::uint32_t v = 0; v < n; ++v)
+      if (!supported[v]) result.departing[v] = false;
+    result.unsupported = unsupported_normals(mesh, has_area, joins, result.opposes, asked, supported);
+    if (has_any(result.unsupported)) {
+      result.may_be_meant = borders_of_sheets(mesh, has_area, planes, joins.position);
+      const std::vector<bool> transferred =
+          may_be_transferred(mesh, has_area, joins, result.unsupported, result.may_be_meant);
       for (std::uint32_t v = 0; v < n; ++v)
-        if (average[v]) result.departing[v] = false;
-    }
-    // At sharp edges and tips no average is nearer.
-    if (std::find(result.unsupported.begin(), result.unsupported.end(), true) != result.unsupported.end()) {
-      const std::vector<bool> average = are_average_normals(mesh, joins, result.unsupported);
-      for (std::uint32_t v = 0; v < n; ++v)
-        if (average[v]) result.unsupported[v] = false;
-      const std::vector<bool> inside = insides_of_hulls(mesh, has_area, result.opposes, result.unsupported);
-      std::vector<bool> elsewhere(n, false);
-      for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
-        for (const std::uint32_t v : mesh.triangles[t])
-          if (has_area[t] && !inside[t]) elsewhere[v] = true;
-      for (std::uint32_t v = 0; v < n; ++v)
-        if (!elsewhere[v]) result.unsupported[v] = false;
-      if (std::find(result.unsupported.begin(), result.unsupported.end(), true) != result.unsupported.end()) {
-        result.may_be_meant = borders_of_sheets(mesh, has_area, planes, joins.position);
-        const std::vector<bool> transferred =
-            may_be_transferred(mesh, has_area, joins, result.unsupported, result.may_be_meant);
-        for (std::uint32_t v = 0; v < n; ++v)
-          if (transferred[v]) result.may_be_meant[v] = true;
-      }
+        if (transferred[v]) result.may_be_meant[v] = true;
     }
   }
   result.faceted_vertices.assign(n, false);

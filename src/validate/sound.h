@@ -15,15 +15,19 @@
 
 namespace darboux {
 
+// Of |t.n|, of both as unit vectors.
+inline constexpr double orthogonal_tolerance = 0.02;
+inline constexpr double along_normal_tolerance = 0.26;  // 75 degrees
+
 // What is the same for every corner of a vertex; bits, as there are many.
 struct VertexChecks {
   bool position_finite : 1 = true, uv_finite : 1 = true, normal_finite : 1 = true, normal_unit : 1 = true;
   bool has_normal : 1 = false;   // finite and not zero
   bool has_tangent : 1 = false;  // likewise
   bool tangent_finite : 1 = true, tangent_zero : 1 = false, tangent_unit : 1 = true, sign_valid : 1 = true;
-  bool orthogonal : 1 = true;     // |t.n| <= 0.02, of both as unit vectors
+  bool orthogonal : 1 = true;     // |t.n| <= orthogonal_tolerance
   bool leans : 1 = false;         // beyond what rounding adds to that
-  bool along_normal : 1 = false;  // |t.n| > 0.26, likewise
+  bool along_normal : 1 = false;  // |t.n| > along_normal_tolerance, likewise
 };
 VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v);
 

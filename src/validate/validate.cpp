@@ -1,18 +1,17 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <tuple>
 
 #include <darboux/error.h>
-#include <darboux/evaluate.h>
 #include <darboux/frame.h>
-#include <darboux/mesh_frames.h>
 #include <darboux/validate.h>
 
 #include "accurate.h"
 #include "authored.h"
 #include "averages.h"
+#include "base/degrees.h"
 #include "base/flatten.h"
 #include "base/text.h"
 #include "corner_counts.h"
@@ -28,7 +27,6 @@ namespace {
 
 constexpr double expected_agreement = 0.8;  // of two references; their error bars cover less on coarse meshes
 constexpr double agree_within = 0.1;        // of the limit: two references that differ by less are the same
-constexpr double most = 0.9;                // corners, for which one cause is named
 constexpr auto no_code = static_cast<Code>(corner_errors);
 
 // Angles are negative where there is nothing to compare.
@@ -425,7 +423,8 @@ void MeshValidation::add_errors(const CornerCounts& counts) {
       case Code::tangent_not_unit:
         return counts.tangent_lengths.text();
       case Code::tangent_not_orthogonal:
-        return " (|t.n| up to " + rounded(counts.most_along_normal, 3) + ", limit 0.26)";
+        return " (|t.n| up to " + rounded(counts.most_along_normal, 3) + ", limit " +
+               rounded(along_normal_tolerance, 2) + ")";
       case Code::tangent_angle:
         return text(counts.tangents, " outside the cone of their own triangles");
       case Code::normal_not_unit:
@@ -441,7 +440,7 @@ void MeshValidation::add_errors(const CornerCounts& counts) {
     if (counts.of_error[k] == 0) continue;
     Finding found = finding(code, counts.of_error[k], more(code));
     if (code == Code::tangent_not_orthogonal &&
-        static_cast<double>(counts.in_plane) >= most * static_cast<double>(counts.of_error[k])) {
+        static_cast<double>(counts.in_plane) >= explains_most * static_cast<double>(counts.of_error[k])) {
       found.message +=
           "; they lie much nearer to the plane of their triangles, so the normals may be the ones that are "
           "wrong";
@@ -476,7 +475,8 @@ void MeshValidation::add_warnings(const CornerCounts& counts) {
        reasons::lit_otherwise);
   warn(Code::normal_angle, counts.departing, std::string(reasons::departing.why), reasons::departing);
   add(report_, warning(Code::tangent_not_orthogonal, counts.leaning,
-                       " (|t.n| > 0.02; above 0.26 an error where triangles have uv area)"));
+                       " (|t.n| > " + rounded(orthogonal_tolerance, 2) + "; above " +
+                           rounded(along_normal_tolerance, 2) + " an error where triangles have uv area)"));
   add(report_, finding(Code::pole_tangent, counts.poles.counted(),
                        " (worst " + rounded(counts.poles.worst, 4) + " deg)"));
 }
@@ -596,7 +596,7 @@ void MeshValidation::diagnose() {
     const Vec3<double> n = mesh_.normals[v];
     if (m.w == 0 || !detail::finite(n))
       return Directions{detail::nan_vector<double>(), detail::nan_vector<double>()};
-    const Vec3<double> t{m.x, m.y, m.z};
+    const Vec3<double> t = direction_of(m);
     return Directions{t, double{m.w} * cross(n, t)};
   };
   const auto known_truth = [&](std::size_t c) {
@@ -676,7 +676,6 @@ MeshReport validate(const MeshUnderTest& under_test, std::span<const Truth> trut
 
 MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& placed,
                     const ValidateOptions& options) {
-  check_consistent(mesh, "mesh");
   std::vector<Truth> truth;
   if (placed) truth.reserve(mesh.uvs.size());
   if (placed)
@@ -690,11 +689,9 @@ MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const Valida
     throw MeshError("mesh", std::to_string(truth.size()) + " truths for " +
                                 std::to_string(mesh.positions.size()) +
                                 " vertices, expected one per vertex or none");
-  std::vector<bool> is_pole;
-  for (const Truth& t : truth) is_pole.push_back(t.pole);
   MeshUnderTest under_test = prepare(mesh, options);
   add_references(under_test, options);
-  classify_vertices(under_test, is_pole, options);
+  classify_vertices(under_test, poles(truth), options);
   return validate(under_test, truth, Basis::declared, options);
 }
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "base/degrees.h"
 #include "base/linear_algebra.h"
 #include "base/text.h"
 #include "fit/common/intervals.h"
@@ -119,7 +119,7 @@ std::string add_covariance(const Estimate& e, const ReducedNormalEquations& know
   const Eigen::Vector3d axis = e.shape.placement.linear().col(2), origin = e.shape.placement.translation();
   const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis * axis.transpose();
   intervals.add_length("axis_deg", across * fit.covariance.topLeftCorner<3, 3>() * across,
-                       180 / std::numbers::pi);
+                       degrees_per_radian);
   Eigen::Matrix<double, 3, 6> of_origin;
   of_origin << 0, origin.z(), -origin.y(), 1, 0, 0, -origin.z(), 0, origin.x(), 0, 1, 0, origin.y(),
       -origin.x(), 0, 0, 0, 1;

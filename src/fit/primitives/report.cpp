@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "base/degrees.h"
 #include "determinacy.h"
 #include "fit/common/intervals.h"
 
@@ -37,8 +37,7 @@ void state_numbers(const PrimitiveFit& fit, const CatalogueSurface& surface,
   const Vector3d axis = surface.frame.col(2);
   const Matrix3d across = Matrix3d::Identity() - axis * axis.transpose();
   if (fit.primitive->orientation != Orientation::none)
-    intervals.add_length("axis_deg", across * covariance.topLeftCorner<3, 3>() * across,
-                         180 / std::numbers::pi);
+    intervals.add_length("axis_deg", across * covariance.topLeftCorner<3, 3>() * across, degrees_per_radian);
   const Vector3d arm = surface.origin - fit.reference;
   Eigen::Matrix<double, 3, 6> moves;  // turn x arm + movement
   moves << 0, arm.z(), -arm.y(), 1, 0, 0, -arm.z(), 0, arm.x(), 0, 1, 0, arm.y(), -arm.x(), 0, 0, 0, 1;

@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <string_view>
 #include <utility>
 
+#include "base/degrees.h"
 #include "base/text.h"
 #include "fit/common/kinds.h"
 
@@ -115,12 +115,11 @@ double curvature_across(const PrimitiveFit& f) {
                   (std::fabs(ring - tube) + most_deviations(f) * spread) / least_length(f, 1));
 }
 
-constexpr double degrees = 180 / std::numbers::pi;
 constexpr std::array<Nesting, 7> nestings{{
     {"plane", "sphere", 0.2, [](const PrimitiveFit& f) { return 1 / least_length(f, 0); }},
     {"plane", "cylinder", 0.2, [](const PrimitiveFit& f) { return 1 / least_length(f, 0); }},
     {"sphere", "ellipsoid", 0.3, flattening},
-    {"cylinder", "cone", 8 / degrees, [](const PrimitiveFit& f) { return upper(f, 0); }},
+    {"cylinder", "cone", 8 / degrees_per_radian, [](const PrimitiveFit& f) { return upper(f, 0); }},
     {"cylinder", "torus", 0.1, curvature_across},
     {"cylinder", "ellipsoid", 0.15, curvature_along},
     {"elliptic-paraboloid", "ellipsoid", 0.2, closing},
@@ -161,7 +160,8 @@ std::string numbers_text(const PrimitiveFit& f, double scale) {
   for (std::size_t k = 0; k < 3 && !f.primitive->length_names[k].empty(); ++k) {
     const bool is_length = k < static_cast<std::size_t>(f.primitive->lengths);
     text += (k == 0 ? "" : ", ") + std::string(f.primitive->length_names[k]) + " " +
-            rounded((is_length ? scale : degrees) * f.surface.lengths[k], 3) + (is_length ? "" : " degrees");
+            rounded((is_length ? scale : degrees_per_radian) * f.surface.lengths[k], 3) +
+            (is_length ? "" : " degrees");
   }
   return text;
 }

@@ -12,6 +12,7 @@
 
 #include <darboux/error.h>
 
+#include "base/degrees.h"
 #include "base/linear_algebra.h"
 #include "base/quantile.h"
 #include "base/text.h"
@@ -410,7 +411,7 @@ std::string report(const Trial& trial, const Data& data, PointFit& fit) {
   const Eigen::Vector3d axis = trial.state.rotation.toRotationMatrix().col(2);
   const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - axis * axis.transpose();
   intervals.add_length("axis_deg", across * fit.covariance.topLeftCorner<3, 3>() * across,
-                       180 / std::numbers::pi);
+                       degrees_per_radian);
   intervals.add_length("centre", factor * spread.covariance.block<3, 3>(3, 3), size);
   fit.covariance *= intervals.widening();
   for (int k = 0; k < parameters; ++k) {

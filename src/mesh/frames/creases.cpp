@@ -5,13 +5,12 @@
 
 #include <darboux/frame.h>
 
+#include "mesh/area_vector.h"
+
 namespace darboux {
 
 bool is_sharp(const Mesh& mesh, const SharedEdge& edge) {
-  const auto face = [&](std::uint32_t t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    return cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
-  };
+  const auto face = [&](std::uint32_t t) { return area_vector(mesh, mesh.triangles[t]); };
   const Vec3<double> n = face(edge.triangle[0]),
                      m = edge.turned ? -face(edge.triangle[1]) : face(edge.triangle[1]);
   // Below 45 degrees, as nearly always, the cosine tells. The bound is 0 or infinite where the squares under-

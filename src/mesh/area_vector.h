@@ -1,0 +1,14 @@
+#pragma once
+
+#include <darboux/mesh.h>
+#include <darboux/vector.h>
+
+namespace darboux {
+
+// Twice the area of a triangle, along the normal of its winding.
+inline Vec3<double> area_vector(const Mesh& mesh, const Triangle& triangle) {
+  const auto& [a, b, c] = triangle;
+  return cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
+}
+
+}  // namespace darboux
