@@ -2,6 +2,7 @@
 # nightly.sh [STEP ...]: what takes too long for every landing. Each step prints what it did; its last lines
 # are kept in build/nightly/STEP.log, and build/nightly/results has a line per step: when, commit, step,
 # passed or FAILED, seconds. Exit 1 where one failed.
+#   long          the release build's suite, with all repetitions of laws and statistics: a landing takes a third
 #   address       the whole suite under the address and undefined-behaviour sanitizers
 #   threads       what runs in parallel under the thread sanitizer
 #   clang         clang compiles every source of src and every public header alone, without a warning
@@ -17,12 +18,13 @@ set -uo pipefail
 cd "$(dirname "$0")/.."
 mkdir -p build/nightly
 steps=("$@")
-[ $# -gt 0 ] || steps=(address threads clang fuzz mutants kills faults determinism reproducible coverage)
+[ $# -gt 0 ] || steps=(long address threads clang fuzz mutants kills faults determinism reproducible coverage)
 build() {  # build PRESET TARGET ...
   local preset=$1
   shift
   cmake --preset "$preset" >/dev/null && cmake --build --preset "$preset" --target "$@" >/dev/null
 }
+long() { build release all && DARBOUX_LONG_TESTS=1 ctest --preset release -j 2; }
 address() { build asan all && ctest --preset asan -j 2; }
 threads() {
   build tsan base_tests evaluate_tests mesh_tests darboux_tool || return 1
@@ -70,7 +72,7 @@ coverage() { tests/coverage.sh; }
 failed=0
 for step in "${steps[@]}"; do
   case $step in
-    address | threads | clang | fuzz | mutants | kills | faults | determinism | reproducible | coverage) ;;
+    long | address | threads | clang | fuzz | mutants | kills | faults | determinism | reproducible | coverage) ;;
     *) echo "nightly.sh: expected steps that its first lines list, got $step" >&2; exit 2 ;;
   esac
   begun=$SECONDS

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "random_shapes.h"
+#include "thinning.h"
 
 namespace darboux::recognition_test {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 constexpr std::uint64_t seed = 2026;
 
 TEST(Recognition, ClaimsNothingOfPolyhedra) {
-  constexpr int each = 50;  // 750 shapes: claims of one in 250 pass once in 20
+  const int each = 50 / test::thinning();  // 750 shapes in long runs: claims of one in 250 pass once in 20
   std::cout << "seeds from " << seed << '\n';
   for (const test::NegativeFamily& family : test::negative_families())
     for (int i = 0; i < each; ++i) {
@@ -24,7 +25,7 @@ TEST(Recognition, ClaimsNothingOfPolyhedra) {
 }
 
 TEST(Recognition, FindsSurfaces) {
-  constexpr int each = 20;
+  const int each = std::max(20 / test::thinning(), 5);
   std::cout << "seeds from " << seed << '\n';
   for (const test::PositiveFamily& family : test::positive_families())
     for (const auto storage : {test::Storage::single, test::Storage::half, test::Storage::int16})

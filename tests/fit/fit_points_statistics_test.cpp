@@ -10,15 +10,12 @@
 #include <gtest/gtest.h>
 
 #include "statistics/rows.h"
+#include "thinning.h"
 
 namespace darboux::fit_points_statistics_test {
 namespace {
 
-#ifdef DARBOUX_SHORT_TESTS
-constexpr std::size_t divisor = 10;
-#else
-constexpr std::size_t divisor = 1;
-#endif
+using test::thinning;
 
 constexpr std::size_t count = 2500;
 
@@ -32,7 +29,7 @@ void expect_noise(double sum_of_ratios, double runs, const std::string& kind) {
 TEST(FitPointsStatistics, TheErrorIsNearTheBound) {
   std::map<std::string, std::pair<double, int>> sums;
   std::map<std::string, double> ratios;
-  constexpr std::size_t sets = 270 / divisor;
+  const std::size_t sets = 270 / thinning();
   for (std::size_t seed = 0; seed < sets; ++seed) {
     const Outcome outcome = outcome_of("efficiency", seed, count);
     ASSERT_TRUE(outcome.success()) << "efficiency " << seed << ": " << outcome.mahalanobis << ' '
@@ -52,7 +49,7 @@ TEST(FitPointsStatistics, TheErrorIsNearTheBound) {
 }
 
 TEST(FitPointsStatistics, NoFailureAtTwentyPercentOutliers) {
-  for (std::size_t seed = 0; seed < 240 / divisor; ++seed) {
+  for (std::size_t seed = 0; seed < static_cast<std::size_t>(240 / thinning()); ++seed) {
     const Outcome outcome = outcome_of("success-20", seed, count);
     EXPECT_TRUE(outcome.success()) << "success-20 " << seed << ": " << outcome.mahalanobis << ' '
                                    << outcome.reason;
@@ -61,7 +58,7 @@ TEST(FitPointsStatistics, NoFailureAtTwentyPercentOutliers) {
 
 // At most 1 % failures: of 120 sets 1.2, and four standard deviations of the binomial distribution more.
 TEST(FitPointsStatistics, FewFailuresAtFortyPercentOutliers) {
-  constexpr std::size_t sets = 120 / divisor;
+  const std::size_t sets = 120 / thinning();
   double failures = 0, ratios = 0;
   for (std::size_t seed = 0; seed < sets; ++seed) {
     const Outcome outcome = outcome_of("success-40", seed, count);
@@ -85,7 +82,7 @@ TEST(FitPointsStatistics, IntervalsOfFramesCover) {
       EXPECT_NEAR(inside / all, 0.95, margin) << what << " of " << all;
     }
   } normals, frames;
-  for (std::size_t seed = 0; seed < 300 / divisor; ++seed) {
+  for (std::size_t seed = 0; seed < static_cast<std::size_t>(300 / thinning()); ++seed) {
     const Outcome outcome = outcome_of("frames", seed, count);
     ASSERT_TRUE(outcome.success()) << "frames " << seed << ": " << outcome.mahalanobis << ' '
                                    << outcome.reason;
@@ -98,7 +95,7 @@ TEST(FitPointsStatistics, IntervalsOfFramesCover) {
 
 // At most 0.5 % undetermined, none wrong.
 TEST(FitPointsStatistics, TheKindIsFound) {
-  constexpr std::size_t sets = 120 / divisor;
+  const std::size_t sets = 120 / thinning();
   double undetermined = 0;
   for (std::size_t seed = 0; seed < sets; ++seed) {
     const Outcome outcome = outcome_of("auto", seed, count);
@@ -112,7 +109,8 @@ TEST(FitPointsStatistics, TheKindIsFound) {
 
 TEST(FitPointsStatistics, NoiseFreePointsGiveEverythingBack) {
   for (const std::string_view row : {"noise-free", "far"})
-    for (std::size_t seed = 0; seed < (row == "far" ? 36 : 108) / divisor; ++seed) {
+    for (std::size_t seed = 0; seed < static_cast<std::size_t>((row == "far" ? 36 : 108) / thinning());
+         ++seed) {
       const Outcome outcome = outcome_of(row, seed, count);
       EXPECT_LE(outcome.error, required_exactness(row, case_of(row, seed).options))
           << row << ' ' << seed << ' ' << outcome.reason;

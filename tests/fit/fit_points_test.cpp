@@ -16,6 +16,7 @@
 
 #include "refusal_of.h"
 #include "synthetic_points.h"
+#include "thinning.h"
 
 namespace darboux::test::fit_points_test {
 namespace {
@@ -306,10 +307,12 @@ constexpr std::array<Storage, 8> storages{
 TEST_P(FoundKind, IsFoundInAGridOfRoundedNumbers) {
   const AnySurface surface = make_surface(GetParam());
   PortableRandom random(245);
+  int index = 0;
   for (const Storage& stored : storages)
     for (const auto& [around, along] : {std::pair{12, 12}, {48, 24}})
       for (const int place : {0, 1, 2}) {  // as it is, turned and moved, on a map
         if (place == 2 && (!stored.format || stored.format[2] != '5')) continue;
+        if (index++ % thinning() != 0) continue;
         const double scale = place == 1 ? 2.5 : 1.1;
         const Eigen::Matrix3d turn = place == 0 ? Eigen::Matrix3d::Identity() : random.rotation();
         const Eigen::Vector3d shift = place == 0   ? Eigen::Vector3d::Zero()
@@ -374,7 +377,7 @@ TEST(FitPoints, NoiseBeyondRoundingsIsTheirs) {
 TEST(FitPoints, FindsEllipsoidsOfRevolution) {
   PortableRandom random(90);
   std::cout << "seed 90\n";
-  for (int repeat = 0; repeat < 40; ++repeat) {
+  for (int repeat = 0; repeat < 40 / thinning(); ++repeat) {
     const double c = random.uniform(0.4, 2), from = random.uniform(0, 0.3),
                  noise = repeat % 2 == 0 ? 0 : 1e-9;
     if (std::fabs(c - 1) < 0.05) continue;  // nearly a sphere

@@ -11,6 +11,7 @@
 #include <darboux/fit_points.h>
 
 #include "every_surface.h"
+#include "thinning.h"
 
 namespace darboux::test::lack_of_fit_test {
 namespace {
@@ -37,9 +38,11 @@ PointCloud points_of(const AnySurface& surface, int count, double noise, Random&
 TEST(LackOfFit, FewPointsOfAnotherSurfaceAreNoPrimitive) {
   constexpr double noise = 0.002;
   Random random(31);
+  int index = 0;
   for (const char* name : {"helicoid", "monkey-saddle", "enneper", "klein-bottle", "moebius-strip",
                            "catenoid", "hyperbolic-paraboloid", "pseudosphere", "superellipsoid"})
     for (const int count : {50, 70, 100, 200}) {
+      if (index++ % thinning() != 0) continue;
       const PointFit fit = fit_points(points_of(make_surface(name), count, noise, random), {});
       EXPECT_FALSE(fit.usable && fit.sigma > 2 * noise)
           << name << ' ' << count << ": " << fit.surface->surface.specification() << ", sigma " << fit.sigma;

@@ -20,15 +20,12 @@
 #include <darboux/tube.h>
 
 #include "every_surface.h"
+#include "thinning.h"
 
 namespace darboux::test::laws_test {
 namespace {
 
-#ifdef DARBOUX_SHORT_TESTS
-constexpr int parameter_sets = 2, points = 50;
-#else
-constexpr int parameter_sets = 20, points = 200;
-#endif
+const int parameter_sets = std::max(20 / thinning(), 4), points = std::max(200 / thinning(), 50);
 
 using Names = std::set<std::pair<std::string, std::string>>;  // route, quantity
 

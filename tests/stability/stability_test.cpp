@@ -15,6 +15,7 @@
 #include <darboux/stability.h>
 
 #include "every_surface.h"
+#include "thinning.h"
 
 namespace darboux::test::stability_test {
 namespace {
@@ -26,10 +27,8 @@ StabilityOptions everything(std::vector<AnySurface> surfaces) {
   options.surfaces = std::move(surfaces);
   for (const StabilitySweep& sweep : stability_sweeps()) options.sweeps.push_back(&sweep);
   for (const StabilityRoute& route : stability_routes()) options.routes.push_back(&route);
-#ifdef DARBOUX_SHORT_TESTS
-  options.points = 8;
-  options.samples = 1;
-#endif
+  options.points = std::max(options.points / thinning(), 8);
+  options.samples = std::max(options.samples / thinning(), 1);
   return options;
 }
 

@@ -14,6 +14,7 @@
 
 #include "compare_frames.h"
 #include "every_surface.h"
+#include "thinning.h"
 
 namespace darboux::test {
 
@@ -78,10 +79,6 @@ inline BezierPatch<double> fan() {  // its edge u = 0 collapsed, obliquely: dpdv
 // Of every kind of adaptor, over several bases each; compiled once, in adapted.cpp.
 std::vector<Adapted> every_adapted();
 
-#ifdef DARBOUX_SHORT_TESTS
-inline constexpr int law_points = 10;
-#else
-inline constexpr int law_points = 50;
-#endif
+inline const int law_points = 50 / thinning();
 
 }  // namespace darboux::test

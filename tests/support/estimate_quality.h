@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "roundoff.h"
+#include "thinning.h"
 
 namespace darboux::test {
 
@@ -22,11 +23,7 @@ constexpr double tau = 2 * std::numbers::pi;
 template <int n>
 using Order = std::integral_constant<int, n>;
 
-#ifdef DARBOUX_SHORT_TESTS
-constexpr int million = 100'000;
-#else
-constexpr int million = 1'000'000;
-#endif
+inline const int million = 1'000'000 / thinning();
 
 struct OrderNames {
   template <class T>

@@ -16,6 +16,7 @@
 #include <darboux/elementary.h>
 
 #include "multiprecision.h"
+#include "thinning.h"
 
 namespace darboux::test::elementary_test {
 namespace {
@@ -25,11 +26,7 @@ using Mp50 = BoostDigits<50>;
 template <class T>
 using Limits = std::numeric_limits<T>;
 
-#ifdef DARBOUX_SHORT_TESTS
-constexpr int points = 500;
-#else
-constexpr int points = 4'000;
-#endif
+const int points = 4'000 / thinning();
 
 class Random {
  public:

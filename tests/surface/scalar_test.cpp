@@ -16,6 +16,7 @@
 #include "archetype.h"
 #include "every_surface.h"
 #include "multiprecision.h"
+#include "thinning.h"
 
 namespace darboux::test::scalar_test {
 namespace {
@@ -24,11 +25,7 @@ using Mp50 = BoostDigits<50>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
-#ifdef DARBOUX_SHORT_TESTS
-constexpr int points = 2'000;
-#else
-constexpr int points = 20'000;
-#endif
+const int points = 20'000 / thinning();
 
 // |computed - exact| in units in the last place of the exact value.
 template <class T>
