@@ -222,7 +222,7 @@ TEST(AnyKindFit, LinesAndPlanesAreNoSurfaces) {
                            "catenoid", "helicoid", "monkey-saddle"})
     for (const double sigma : {0.0, noise})
       for (const bool plane : {false, true}) {
-        if (index++ % thinning() != 0) continue;
+        if (!is_taken(index++)) continue;
         const Eigen::Isometry3d pose = random_pose(random, 3);
         PointCloud points;
         for (int i = 0; i < (plane ? 300 : 100); ++i) {

@@ -16,4 +16,10 @@ inline int thinning() {
 #endif
 }
 
+/// Whether a run takes combination 0, 1, ... of nested loops: one in thinning(), out of step with the inner
+/// ones.
+inline bool is_taken(int index) {
+  return (index + index / thinning()) % thinning() == 0;
+}
+
 }  // namespace darboux::test
