@@ -7,6 +7,7 @@
 #include <darboux/frame.h>
 
 #include "angles.h"
+#include "base/degrees.h"
 #include "base/disjoint_sets.h"
 #include "sound.h"
 
