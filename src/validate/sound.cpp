@@ -402,15 +402,16 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
       ++corners;
       asked[v] = true;
       if (plane.uncertain < 1) agreeing[joins.position_and_normal[v]] += along < 0 ? -1 : 1;
+      const auto is_within = [&](double cosine) {
+        return plane.uncertain >= 1 ||
+               (along >= 0 && (cosine <= 0 || along * along >= cosine * cosine * square)) ||
+               (along < 0 && cosine < 0 && along * along <= cosine * cosine * square);
+      };
       // cos(80° + the uncertainty) |m|, to first order.
-      const double enough = least - plane.uncertain;
-      if (plane.uncertain >= 1 ||
-          (along >= 0 && (enough <= 0 || along * along >= enough * enough * square)) ||
-          (along < 0 && enough < 0 && along * along <= enough * enough * square))
+      if (is_within(least - plane.uncertain))
         supported[v] = true, agrees[v] = agrees[v] || plane.uncertain < 1;
-      // 1 - the cosine of a sum is at most as much above 1 - cos(45°) as the uncertainty.
-      if (along > 0 && along * along >= std::pow(std::fmax(least_near - plane.uncertain, 0), 2) * square)
-        near[v] = true;
+      // At most cos(50° + asin(the uncertainty) + the rounding).
+      if (is_within(least_near - 2 * (plane.uncertain + rounding))) near[v] = true;
       candidate = candidate && along > 0 && along * along >= (1 - own * own) * square;
     }
     against += static_cast<std::size_t>(opposing);

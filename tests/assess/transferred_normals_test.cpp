@@ -154,14 +154,69 @@ TEST(TransferredNormals, OfClosedPiecesTurnLessThanTheSurface) {
   EXPECT_GT(errors(two), 0U) << "a piece of two is negated";
 }
 
+// Each triangle with vertices of its own.
+Mesh flat_shaded(const Mesh& mesh) {
+  Mesh result;
+  for (const Triangle& t : mesh.triangles) {
+    const auto first = static_cast<std::uint32_t>(result.positions.size());
+    for (const std::uint32_t v : t) result.positions.push_back(mesh.positions[v]);
+    result.triangles.push_back({first, first + 1, first + 2});
+  }
+  set_own_normals(result);
+  return result;
+}
+
+// Hard edges are edges too, and what is flat does not turn.
+TEST(TransferredNormals, OfFlatFacesAreNone) {
+  Mesh facets = flat_shaded(blob());
+  EXPECT_EQ(errors(facets), 0U);
+  for (std::size_t v = 0; v < facets.normals.size(); ++v)
+    if (v / 3 % 2 == 0) facets.normals[v] = -facets.normals[v];
+  EXPECT_GT(errors(facets), 0U);
+  // A floor of 10 x 10 quads beside a blob, level and tilted, its normals turned by 90 degrees or negated.
+  Mesh beside = blob();
+  set_own_normals(beside);
+  for (const double tilt : {0.0, 0.3}) {
+    const Vec3<double> up = unit(Vec3<double>{-tilt, 0, 1});
+    Mesh floor = grid(10, 10, [&](std::uint32_t i, std::uint32_t j) {
+      return Vec3<double>{0.5 * i, 0.5 * j, 0.5 * i * tilt} + Vec3<double>{3, 3, 0};
+    });
+    for (const Vec3<double>& n : {Vec3<double>{0, 1, 0}, -up}) {
+      floor.normals.assign(floor.positions.size(), n);
+      Mesh both = beside;
+      append(both, floor);
+      EXPECT_GT(errors(both), 0U) << tilt;
+    }
+  }
+}
+
+// Of a flat card nothing tells which side it is lit from.
+TEST(TransferredNormals, OfCurvedCardsAreNotAllNegated) {
+  Mesh both = blob();
+  set_own_normals(both);
+  Mesh card = grid(4, 4, [](std::uint32_t i, std::uint32_t j) {
+    const double x = 0.25 * i - 0.5, y = 0.25 * j - 0.5;
+    return Vec3<double>{x, y, 0.4 * x * x + 0.3 * x * y} + Vec3<double>{3, 0, 0};
+  });
+  set_own_normals(card);
+  for (Vec3<double>& n : card.normals) n = -n;
+  append(both, card);
+  EXPECT_GT(errors(both), 0U);
+}
+
+// At exactly 45 degrees from the triangles, as billboards are bent.
+TEST(DepartingNormals, OfBentBillboardsAreNone) {
+  Mesh mesh = grid(1, 1, [](std::uint32_t i, std::uint32_t j) { return Vec3<double>{1.0 * i, 1.0 * j, 0}; });
+  set_normals(mesh, [](const Vec3<double>& p) { return Vec3<double>{p.x < 0.5 ? -1.0 : 1.0, 0, 1}; });
+  EXPECT_EQ(errors(mesh) + warnings(mesh), 0U);
+}
+
 // A barrel vault: all vertices lie on its border.
 TEST(DepartingNormals, AreWarnedOfWhereNothingElseTells) {
   Mesh mesh = grid(16, 1, [](std::uint32_t i, std::uint32_t j) {
     const double a = tau / 2 * i / 16.0;
     return Vec3<double>{std::cos(a), std::sin(a), 2.0 * j};
   });
-  set_normals(mesh, [](const Vec3<double>& p) { return Vec3<double>{-p.x, -p.y, 0}; });
-  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
   set_own_normals(mesh);
   EXPECT_EQ(errors(mesh) + warnings(mesh), 0U);
   for (Vec3<double>& n : mesh.normals) {

@@ -96,7 +96,7 @@ TEST(WavyMeshes, ExactTangentsAreSeldomErrors) {
   };
   // As they are, turned by 20 degrees and by 45: exact tangents, then MikkTSpace's.
   std::array<std::array<Sum, 3>, 2> sums;
-  const unsigned last_seed = 100 / static_cast<unsigned>(test::thinning());
+  const unsigned last_seed = 100 / static_cast<unsigned>(std::min(test::thinning(), 3));
   for (unsigned seed = 1; seed <= last_seed; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     Mesh mesh = wavy_mesh(seed);
@@ -122,7 +122,7 @@ TEST(WavyMeshes, ExactTangentsAreSeldomErrors) {
   const auto& [exact, mikktspaces] = sums;
   EXPECT_EQ(mikktspaces[0].corners, 0u);
   // Measured, less a few: some of the turned tangents of coarse meshes stay within their cones.
-  EXPECT_LE(exact[0].failing, 3u);
+  EXPECT_LE(100 * exact[0].failing, 3 * last_seed);
   EXPECT_GE(100 * exact[1].failing, 25 * last_seed);
   EXPECT_GE(100 * exact[2].failing, 68 * last_seed);
   EXPECT_GE(100 * exact[2].errors, 95 * exact[2].corners);

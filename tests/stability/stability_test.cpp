@@ -27,7 +27,7 @@ StabilityOptions everything(std::vector<AnySurface> surfaces) {
   options.surfaces = std::move(surfaces);
   for (const StabilitySweep& sweep : stability_sweeps()) options.sweeps.push_back(&sweep);
   for (const StabilityRoute& route : stability_routes()) options.routes.push_back(&route);
-  options.points = std::max(options.points / thinning(), 8);
+  if (slow_build) options.points = 8;
   options.samples = std::max(options.samples / thinning(), 1);
   return options;
 }

@@ -23,7 +23,7 @@ constexpr double tau = 2 * std::numbers::pi;
 template <int n>
 using Order = std::integral_constant<int, n>;
 
-inline const int million = 1'000'000 / thinning();
+inline const int many_points = 1'000'000 / thinning();
 
 struct OrderNames {
   template <class T>

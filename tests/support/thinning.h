@@ -1,25 +1,29 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdlib>
 
 namespace darboux::test {
 
-/// Of the repetitions of a law a run takes one in this many: all of them where DARBOUX_LONG_TESTS is set in
-/// the environment (tests/nightly.sh), a third at a landing, a tenth in slow builds. The first ones, by the
-/// same seeds.
-inline int thinning() {
 #ifdef DARBOUX_SHORT_TESTS
-  return 10;
+inline constexpr bool slow_build = true;
 #else
+inline constexpr bool slow_build = false;
+#endif
+
+/// Of the repetitions of a law a run takes one in this many: all of them where DARBOUX_LONG_TESTS is set in
+/// the environment (tests/nightly.sh long), a third at a landing, a tenth in slow builds. Those that remain
+/// are the first, by the same seeds.
+inline int thinning() {
+  if (slow_build) return 10;
   static const bool is_long = std::getenv("DARBOUX_LONG_TESTS") != nullptr;
   return is_long ? 1 : 3;
-#endif
 }
 
-/// Whether a run takes combination 0, 1, ... of nested loops: one in thinning(), out of step with the inner
-/// ones.
-inline bool is_taken(int index) {
-  return (index + index / thinning()) % thinning() == 0;
+/// Of nested loops of at least three turns the combinations whose indices have such a sum: a third, but each
+/// turn of each loop. Each draws from a generator of its own, so that it is the same in every run.
+inline bool is_taken(int sum_of_indices) {
+  return sum_of_indices % std::min(thinning(), 3) == 0;
 }
 
 }  // namespace darboux::test

@@ -107,7 +107,7 @@ struct Rational {
 
 // ---- How good estimates are
 
-// `method(f, x, behaviour)` over `million` random points of the five kinds of functions on [0, 1].
+// `method(f, x, behaviour)` over `many_points` random points of the five kinds of functions on [0, 1].
 enum class Which { first, second };
 template <class Method>
 Quality quality(std::uint64_t seed, Which which, Method method) {
@@ -115,7 +115,7 @@ Quality quality(std::uint64_t seed, Which which, Method method) {
   Quality all;
   const auto run = [&]<class F>(std::type_identity<F>) {
     Quality one;
-    for (int i = 0; i < million / 5; ++i) {
+    for (int i = 0; i < many_points / 5; ++i) {
       const F f(random);
       const double x = random.uniform();
       const DerivativeEstimate d = method(f, x, f.length(x));
@@ -305,7 +305,7 @@ template <class Method>
 Quality dual_quality(Which which, Method method) {
   Random random(7);
   Quality q;
-  for (int i = 0; i < million; ++i) {
+  for (int i = 0; i < many_points; ++i) {
     const Formula f{random.log_uniform(0.2, 5)};
     const double x = random.uniform(0.01, 2);
     const DerivativeEstimate d = method(f, x);
