@@ -77,8 +77,9 @@ class StoredDigits {
     largest_ = std::fmax(largest_, std::fabs(x));
     constexpr double of_nine_digits = 5e-9;
     is_dyadic_ = is_dyadic_ && std::rint(0x1p12 * x) == 0x1p12 * x;
-    is_float_ = is_float_ &&
-                std::fabs(x - static_cast<double>(static_cast<float>(x))) <= of_nine_digits * std::fabs(x);
+    const auto as_float = static_cast<float>(x);
+    is_float_ = is_float_ && std::fabs(x - static_cast<double>(as_float)) <= of_nine_digits * std::fabs(x);
+    needs_last_bit_ = needs_last_bit_ || (std::bit_cast<std::uint32_t>(as_float) & 1) != 0;
     const int first = static_cast<int>(std::floor(std::log10(std::fabs(x))));
     if (decimals_ <= most) decimals_ = digits_needed(x, -1, decimals_, most);
     if (digits_ <= most) digits_ = digits_needed(x, first, digits_, most);
@@ -101,6 +102,8 @@ class StoredDigits {
     std::sort(result.rbegin(), result.rend());
     return result;
   }
+  // Floats, not only numbers of fewer bits: of n floats none needs the last bit with a probability of 2^-n.
+  bool are_floats() const { return is_float_ && needs_last_bit_; }
   // The decimals of the numbers. 0 where there are more than are written on purpose, or where a number of
   // digits describes them better, small ones having more decimals.
   int decimals() const {
@@ -113,7 +116,7 @@ class StoredDigits {
   int last_told() const { return is_float_ ? most_of_floats : most; }
 
   double limit_, largest_ = 0;
-  bool is_dyadic_ = true, is_float_ = true;
+  bool is_dyadic_ = true, is_float_ = true, needs_last_bit_ = false;
   int decimals_ = few_decimals, digits_ = few_digits;
 };
 
@@ -181,6 +184,7 @@ NormalisedPoints normalised(const PointCloud& points, bool with_uv) {
         of_positions.add(x);
     for (std::size_t k = 0; k < 3; ++k) result.roundings[k] = 0.5 * of_positions.errors()[k] / result.scale;
     result.rounding = std::fmax(result.rounding, result.roundings.front());
+    result.are_floats = of_positions.are_floats();
   }
   if (with_uv && !result.uvs.empty()) {
     StoredDigits of_uvs(8 * (1 + median_size(result.uvs)));
@@ -201,6 +205,7 @@ NormalisedPoints NormalisedPoints::part(const std::vector<Eigen::Index>& columns
   result.rounding = rounding;
   result.roundings = roundings;
   result.uv_roundings = uv_roundings;
+  result.are_floats = are_floats;
   return result;
 }
 
