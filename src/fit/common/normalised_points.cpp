@@ -132,6 +132,48 @@ bool is_lattice(const std::vector<Vec2<double>>& uvs, int decimals) {
   return common > 1;
 }
 
+// The step that the coordinates are rounded to, where half of the points are within two steps of a plane
+// across an axis; 0: they are not. Steps of any size, of inches and of powers of two also, are told by the
+// level next to the one in the middle: all coordinates, of all axes, are whole steps apart. A step of more
+// than a hundredth of the size may be a shape's own. Nothing tells the step of points that lie on one level,
+// nor that they are rounded.
+double step_of_levels(const std::vector<Vec3<double>>& positions, const std::vector<std::size_t>& index,
+                      double size) {
+  constexpr double largest = 0.01, levels = 2.5, off = 0.01;  // of the size; of a step
+  std::vector<double> values(index.size());
+  const auto take = [&](int axis) {
+    for (std::size_t i = 0; i < index.size(); ++i) values[i] = to_eigen(positions[index[i]])[axis];
+  };
+  // Each value makes the step more exact, which floats near each other tell badly, for the next ones.
+  const auto are_steps = [&](double& step) {
+    std::sort(values.begin(), values.end());
+    return std::all_of(values.begin(), values.end(), [&](double x) {
+      const double from_first = x - values.front(), steps = std::rint(from_first / step);
+      if (std::fabs(from_first / step - steps) > off) return false;
+      if (steps > 0) step = from_first / steps;
+      return true;
+    });
+  };
+  double found = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    take(axis);
+    const double middle = median(values);
+    double step = largest * size;
+    for (const double x : values)
+      if (const double d = std::fabs(x - middle); d > 1e-9 * size) step = std::fmin(step, d);
+    const auto near = std::count_if(values.begin(), values.end(),
+                                    [&](double x) { return std::fabs(x - middle) < levels * step; });
+    if (2 * near > std::ssize(values) && step < largest * size && are_steps(step))
+      found = std::fmax(found, step);
+  }
+  if (found == 0) return 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    take(axis);
+    if (!are_steps(found)) return 0;
+  }
+  return found;
+}
+
 double median_size(const std::vector<Vec2<double>>& uvs) {
   std::vector<double> sizes;
   for (const Vec2<double>& uv : uvs) sizes.push_back(std::fmax(std::fabs(uv.x), std::fabs(uv.y)));
@@ -185,6 +227,8 @@ NormalisedPoints normalised(const PointCloud& points, bool with_uv) {
     for (std::size_t k = 0; k < 3; ++k) result.roundings[k] = 0.5 * of_positions.errors()[k] / result.scale;
     result.rounding = std::fmax(result.rounding, result.roundings.front());
     result.are_floats = of_positions.are_floats();
+    result.half_step = 0.5 * step_of_levels(points.positions, result.index, size) / result.scale;
+    result.rounding = std::fmax(result.rounding, 0.5 * result.half_step);
   }
   if (with_uv && !result.uvs.empty()) {
     StoredDigits of_uvs(8 * (1 + median_size(result.uvs)));
@@ -206,6 +250,7 @@ NormalisedPoints NormalisedPoints::part(const std::vector<Eigen::Index>& columns
   result.roundings = roundings;
   result.uv_roundings = uv_roundings;
   result.are_floats = are_floats;
+  result.half_step = half_step;
   return result;
 }
 

@@ -39,6 +39,10 @@ struct NormalisedPoints {
   // The same of each way of writing that their values agree with, in falling order; 0: none. Of coordinates,
   // and of the stored uvs, which have their own units.
   std::array<double, 3> roundings{}, uv_roundings{};
+  // Half of the step of rounded coordinates, where half of the points lie on few of its levels, as on a plane
+  // parallel to an axis; 0: they do not. Less noise than that would take one level for the surface, without
+  // noise, and its neighbours for outliers.
+  double half_step = 0;
   // Whether the coordinates are floats, or nine digits of them, and need all bits of one: whole numbers are
   // floats too, and say nothing of how they were stored.
   bool are_floats = false;

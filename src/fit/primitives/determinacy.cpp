@@ -135,8 +135,8 @@ std::vector<bool> inliers_of(const PrimitiveFit& fit) {
 }
 
 double noise_and_rounding(const PrimitiveFit& fit) {
-  if (!(fit.least_sigma > 0)) return fit.sigma;
-  return noise_and_rounding(fit.sigma, fit.least_sigma, expected_inliers(fit));
+  if (!(fit.rounding > 0)) return fit.sigma;
+  return noise_and_rounding(fit.sigma, fit.rounding, expected_inliers(fit));
 }
 
 std::ptrdiff_t count_inliers(const PrimitiveFit& fit) {

@@ -97,7 +97,8 @@ class Refinement {
     fit.surface = primitive_.geometric(model_);
     fit.sigma = mixture_.sigma;
     fit.sigma_known = mixture_.sigma_known;
-    fit.least_sigma = mixture_.least_sigma;
+    // Noise that is not seen does not dither.
+    fit.rounding = mixture_.sigma > mixture_.least_sigma ? problem_.rounding : mixture_.least_sigma;
     fit.outliers = mixture_.outliers;
     fit.doubles_itself = doubles_itself(primitive_, fit.surface, problem_.cloud, fit.sigma);
     const std::vector<double> weights = inlier_probabilities(states_, mixture_);
