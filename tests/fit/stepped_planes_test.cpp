@@ -54,7 +54,7 @@ TEST(SteppedPlanes, AreFound) {
           ASSERT_EQ(fit.surface->surface.info().name, "plane");
           EXPECT_GE(fit.inliers, static_cast<std::size_t>(count) * 97 / 100);
           EXPECT_NEAR(fit.surface->placement.translation().z(), height, 4 * standard_error(fit, "centre"));
-          EXPECT_LE(fit.sigma, std::fmax(0.51, 1.2 * std::hypot(noise, 0.29)) * steps.step);
+          EXPECT_LE(fit.sigma, 1.15 * std::hypot(noise, 0.5) * steps.step);
         }
 }
 

@@ -238,7 +238,8 @@ PrimitiveFit refine(const SearchProblem& problem, const Hypothesis& hypothesis, 
   fit.given_up = give_up;
   if (give_up) return fit;
   refinement.add_covariance(fit);
-  if (problem.sigma || fit.error.size() > few_points) return fit;
+  if (problem.sigma || fit.error.size() > few_points || count_inliers(fit) == std::ssize(fit.error))
+    return fit;
   // The likelihood of a mixture has a second maximum where a part of the points, up to half, lies close to
   // one surface by chance: that is taken for the noise, and the others for outliers. Outliers must make the
   // points likelier than noise alone does.
