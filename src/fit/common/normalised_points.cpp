@@ -77,8 +77,9 @@ class StoredDigits {
     largest_ = std::fmax(largest_, std::fabs(x));
     constexpr double of_nine_digits = 5e-9;
     is_dyadic_ = is_dyadic_ && std::rint(0x1p12 * x) == 0x1p12 * x;
-    is_float_ = is_float_ &&
-                std::fabs(x - static_cast<double>(static_cast<float>(x))) <= of_nine_digits * std::fabs(x);
+    const auto as_float = static_cast<float>(x);
+    is_float_ = is_float_ && std::fabs(x - static_cast<double>(as_float)) <= of_nine_digits * std::fabs(x);
+    needs_last_bit_ = needs_last_bit_ || (std::bit_cast<std::uint32_t>(as_float) & 1) != 0;
     const int first = static_cast<int>(std::floor(std::log10(std::fabs(x))));
     if (decimals_ <= most) decimals_ = digits_needed(x, -1, decimals_, most);
     if (digits_ <= most) digits_ = digits_needed(x, first, digits_, most);
@@ -101,6 +102,8 @@ class StoredDigits {
     std::sort(result.rbegin(), result.rend());
     return result;
   }
+  // Floats, not only numbers of fewer bits: of n floats none needs the last bit with a probability of 2^-n.
+  bool are_floats() const { return is_float_ && needs_last_bit_; }
   // The decimals of the numbers. 0 where there are more than are written on purpose, or where a number of
   // digits describes them better, small ones having more decimals.
   int decimals() const {
@@ -113,7 +116,7 @@ class StoredDigits {
   int last_told() const { return is_float_ ? most_of_floats : most; }
 
   double limit_, largest_ = 0;
-  bool is_dyadic_ = true, is_float_ = true;
+  bool is_dyadic_ = true, is_float_ = true, needs_last_bit_ = false;
   int decimals_ = few_decimals, digits_ = few_digits;
 };
 
@@ -127,6 +130,48 @@ bool is_lattice(const std::vector<Vec2<double>>& uvs, int decimals) {
     for (const double x : {uv.x, uv.y})
       if (std::fabs(x) * units < 0x1p53) common = std::gcd(common, std::llrint(x * units));
   return common > 1;
+}
+
+// The step that the coordinates are rounded to, where half of the points are within two steps of a plane
+// across an axis; 0: they are not. Steps of any size, of inches and of powers of two also, are told by the
+// level next to the one in the middle: all coordinates, of all axes, are whole steps apart. A step of more
+// than a hundredth of the size may be a shape's own. Nothing tells the step of points that lie on one level,
+// nor that they are rounded.
+double step_of_levels(const std::vector<Vec3<double>>& positions, const std::vector<std::size_t>& index,
+                      double size) {
+  constexpr double largest = 0.01, levels = 2.5, off = 0.01;  // of the size; of a step
+  std::vector<double> values(index.size());
+  const auto take = [&](int axis) {
+    for (std::size_t i = 0; i < index.size(); ++i) values[i] = to_eigen(positions[index[i]])[axis];
+  };
+  // Each value makes the step more exact, which floats near each other tell badly, for the next ones.
+  const auto are_steps = [&](double& step) {
+    std::sort(values.begin(), values.end());
+    return std::all_of(values.begin(), values.end(), [&](double x) {
+      const double from_first = x - values.front(), steps = std::rint(from_first / step);
+      if (std::fabs(from_first / step - steps) > off) return false;
+      if (steps > 0) step = from_first / steps;
+      return true;
+    });
+  };
+  double found = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    take(axis);
+    const double middle = median(values);
+    double step = largest * size;
+    for (const double x : values)
+      if (const double d = std::fabs(x - middle); d > 1e-9 * size) step = std::fmin(step, d);
+    const auto near = std::count_if(values.begin(), values.end(),
+                                    [&](double x) { return std::fabs(x - middle) < levels * step; });
+    if (2 * near > std::ssize(values) && step < largest * size && are_steps(step))
+      found = std::fmax(found, step);
+  }
+  if (found == 0) return 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    take(axis);
+    if (!are_steps(found)) return 0;
+  }
+  return found;
 }
 
 double median_size(const std::vector<Vec2<double>>& uvs) {
@@ -181,6 +226,9 @@ NormalisedPoints normalised(const PointCloud& points, bool with_uv) {
         of_positions.add(x);
     for (std::size_t k = 0; k < 3; ++k) result.roundings[k] = 0.5 * of_positions.errors()[k] / result.scale;
     result.rounding = std::fmax(result.rounding, result.roundings.front());
+    result.are_floats = of_positions.are_floats();
+    result.half_step = 0.5 * step_of_levels(points.positions, result.index, size) / result.scale;
+    result.rounding = std::fmax(result.rounding, 0.5 * result.half_step);
   }
   if (with_uv && !result.uvs.empty()) {
     StoredDigits of_uvs(8 * (1 + median_size(result.uvs)));
@@ -201,6 +249,8 @@ NormalisedPoints NormalisedPoints::part(const std::vector<Eigen::Index>& columns
   result.rounding = rounding;
   result.roundings = roundings;
   result.uv_roundings = uv_roundings;
+  result.are_floats = are_floats;
+  result.half_step = half_step;
   return result;
 }
 

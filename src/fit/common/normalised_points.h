@@ -39,15 +39,25 @@ struct NormalisedPoints {
   // The same of each way of writing that their values agree with, in falling order; 0: none. Of coordinates,
   // and of the stored uvs, which have their own units.
   std::array<double, 3> roundings{}, uv_roundings{};
+  // Half of the step of rounded coordinates, where half of the points lie on few of its levels, as on a plane
+  // parallel to an axis; 0: they do not. Less noise than that would take one level for the surface, without
+  // noise, and its neighbours for outliers.
+  double half_step = 0;
+  // Whether the coordinates are floats, or nine digits of them, and need all bits of one: whole numbers are
+  // floats too, and say nothing of how they were stored.
+  bool are_floats = false;
 
   std::size_t count() const { return static_cast<std::size_t>(cloud.cols()); }
   // What rounding of the input leaves of a coordinate, with room: no noise is taken to be less.
   double least_sigma() const { return 1e-13 + 0x1p-52 * (centre / scale).stableNorm(); }
 
-  // What the file leaves of a coordinate, with room, floats or six decimals also where its values do not tell
-  // them any more: errors below are the same for all points of a row.
+  // What the file leaves of a coordinate, with room, six decimals of the points' size also where its values
+  // do not tell them any more: errors below are the same for all points of a row. Far from the origin floats
+  // leave more, four times their greatest error; doubles do not, and there points are judged as they are
+  // elsewhere.
   double stored_rounding() const {
-    return std::fmax(3 * rounding, 1e-5 + 0x1p-22 * (centre / scale).stableNorm());
+    const double relative = are_floats ? 0x1p-22 : 0x1p-52;
+    return std::fmax(3 * rounding, 1e-5 + relative * (centre / scale).stableNorm());
   }
 
   // These columns with their uvs alone, in the same units.

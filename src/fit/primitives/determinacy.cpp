@@ -135,8 +135,8 @@ std::vector<bool> inliers_of(const PrimitiveFit& fit) {
 }
 
 double noise_and_rounding(const PrimitiveFit& fit) {
-  if (!(fit.least_sigma > 0)) return fit.sigma;
-  return noise_and_rounding(fit.sigma, fit.least_sigma, expected_inliers(fit));
+  if (!(fit.rounding > 0)) return fit.sigma;
+  return noise_and_rounding(fit.sigma, fit.rounding, expected_inliers(fit));
 }
 
 std::ptrdiff_t count_inliers(const PrimitiveFit& fit) {
@@ -231,8 +231,10 @@ Determinacy determinacy(const PrimitiveFit& f) {
   if (k < f.primitive->unknowns + 0.5)
     return unproven("has only " + std::to_string(std::lround(k)) +
                     " of the points, as many lie on one by chance; more points help");
-  if (log_likelihood_ratio(k, n, f.sigma, f.primitive->unknowns) <
-      0.5 * f.primitive->unknowns * std::log(n) + margin)
+  // That there are no outliers was told by the points too, where that is assumed: their share and density are
+  // unknowns.
+  const int unknowns = f.primitive->unknowns + (f.outliers == 0 ? 2 : 0);
+  if (log_likelihood_ratio(k, n, f.sigma, f.primitive->unknowns) < 0.5 * unknowns * std::log(n) + margin)
     return unproven(
         "is no more than points of constant density show by chance: no fit; fewer outliers or less noise "
         "help");

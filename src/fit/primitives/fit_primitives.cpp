@@ -161,8 +161,16 @@ class PrimitivesFit {
     std::mt19937_64 random(options_.seed);
     const OrientedPoints oriented =
         oriented_points(points_.cloud, points_.normals, effort_ == Effort::full, random);
-    SearchProblem problem{points_.cloud, oriented, std::nullopt, std::nullopt,    options_.seed,
-                          effort_,       {},       !automatic(), points_.rounding};
+    SearchProblem problem{points_.cloud,
+                          oriented,
+                          std::nullopt,
+                          std::nullopt,
+                          options_.seed,
+                          effort_,
+                          {},
+                          !automatic(),
+                          std::fmax(points_.rounding, points_.half_step),
+                          points_.rounding};
     if (options_.noise) problem.sigma = *options_.noise / points_.scale;
     if (options_.guess && only_) problem.guess = guess_of(*options_.guess, *only_, points_);
     double share = 0.3, span = 0;

@@ -33,6 +33,7 @@ void update(Mixture& mixture, const PointStates& points, bool robust_phase) {
     return;
   }
   const auto count = [&](Mixture& at) {
+    if (at.outliers == 0) return;
     double others = 0.1;
     for (const double e : near) {
       const double x = (std::fabs(e / at.sigma) - middle) / half_width, y = 1 - x * x;

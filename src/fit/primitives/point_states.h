@@ -29,7 +29,8 @@ inline double inlier_probability(double error, const Mixture& mixture) {
 }
 
 // The mixture at fixed distances. In the robust phase the outliers' density is relative to all points nearby,
-// so that a sigma that is too small grows. Sigma stays above the biases, which the next one may take away.
+// so that a sigma that is too small grows. A mixture without outliers stays so. Sigma stays above the biases,
+// which the next one may take away.
 void update(Mixture& mixture, const PointStates& points, bool robust_phase);
 
 void update_bias(const Mixture& mixture, PointStates& points);

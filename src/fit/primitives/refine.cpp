@@ -10,6 +10,8 @@
 
 #include "base/linear_algebra.h"
 #include "cost.h"
+#include "determinacy.h"
+#include "fit/common/kinds.h"
 #include "geometry.h"
 #include "support.h"
 
@@ -75,6 +77,7 @@ class Refinement {
         states_(static_cast<std::size_t>(problem.cloud.cols())),
         mixture_(hypothesis.mixture),
         model_(primitive_.localise(hypothesis.surface, hypothesis.at)),
+        has_outliers_(hypothesis.mixture.outliers > 0),
         hessian_(
             Eigen::MatrixXd::Zero(3 + primitive_.distance.parameters, 3 + primitive_.distance.parameters)) {
     if (problem.sigma) mixture_.sigma = *problem.sigma, mixture_.sigma_known = true;
@@ -97,7 +100,8 @@ class Refinement {
     fit.surface = primitive_.geometric(model_);
     fit.sigma = mixture_.sigma;
     fit.sigma_known = mixture_.sigma_known;
-    fit.least_sigma = mixture_.least_sigma;
+    // Noise that is not seen does not dither.
+    fit.rounding = mixture_.sigma > mixture_.least_sigma ? problem_.rounding : mixture_.least_sigma;
     fit.outliers = mixture_.outliers;
     fit.doubles_itself = doubles_itself(primitive_, fit.surface, problem_.cloud, fit.sigma);
     const std::vector<double> weights = inlier_probabilities(states_, mixture_);
@@ -169,7 +173,7 @@ class Refinement {
       primitive_.distance.measure(problem_.cloud, model_, states_);
       phase_ = Phase::robust;
       near_ *= 0.1;
-    } else if (small && since_support_ > 0.1 && supports_ < 8) {
+    } else if (small && has_outliers_ && since_support_ > 0.1 && supports_ < 8) {
       find_support(primitive_, problem_.cloud, primitive_.geometric(model_), mixture_, states_);
       ++supports_;
       since_support_ = 0;
@@ -191,6 +195,7 @@ class Refinement {
   PointStates states_;
   Mixture mixture_;
   LocalModel model_, before_;
+  bool has_outliers_;  // else all points are in the support
   Eigen::MatrixXd hessian_, hessian_before_;
   Phase phase_ = Phase::robust;
   std::vector<double> weights_;
@@ -205,14 +210,42 @@ class Refinement {
 
 }  // namespace
 
+namespace {
+
+// The same surface through all points, none an outlier.
+PrimitiveFit with_all_points(const SearchProblem& problem, Hypothesis hypothesis, const PrimitiveFit& fit) {
+  double squares = 0;
+  for (const double e : fit.error) squares += e * e;
+  hypothesis.surface = fit.surface;
+  hypothesis.mixture.sigma = std::sqrt(squares / static_cast<double>(fit.error.size()));
+  hypothesis.mixture.outliers = 0;
+  Refinement refinement(problem, hypothesis);
+  refinement.run();
+  PrimitiveFit all = refinement.result();
+  refinement.add_covariance(all);
+  return all;
+}
+
+}  // namespace
+
 PrimitiveFit refine(const SearchProblem& problem, const Hypothesis& hypothesis, bool give_up) {
+  // Among more points, whose noise is one, no part lies so close to a surface by chance.
+  constexpr std::size_t few_points = 100;
   Refinement refinement(problem, hypothesis);
   if (!give_up) refinement.run();
   PrimitiveFit fit = refinement.result();
   fit.iterations += hypothesis.iterations;
   fit.given_up = give_up;
-  if (!give_up) refinement.add_covariance(fit);
-  return fit;
+  if (give_up) return fit;
+  refinement.add_covariance(fit);
+  if (problem.sigma || fit.error.size() > few_points || count_inliers(fit) == std::ssize(fit.error))
+    return fit;
+  // The likelihood of a mixture has a second maximum where a part of the points, up to half, lies close to
+  // one surface by chance: that is taken for the noise, and the others for outliers. Outliers must make the
+  // points likelier than noise alone does.
+  PrimitiveFit all = with_all_points(problem, hypothesis, fit);
+  all.iterations += fit.iterations;
+  return log_likelihood_ratio(fit) - log_likelihood_ratio(all) > 0.5 * margin ? fit : all;
 }
 
 }  // namespace darboux::fit

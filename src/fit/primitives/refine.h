@@ -19,7 +19,7 @@ struct PrimitiveFit {
   GeometricParameters surface;
   double sigma = 0, outliers = 0;  // see fit/common/mixture.h
   bool sigma_known = false;
-  double least_sigma = 0;
+  double rounding = 0;  // half of the greatest error of a coordinate by how it was stored
   Covariance covariance = Covariance::Zero();  // of (rotation vector, movement of `reference`, lengths)
   Vector3d reference;
   double largest_deviation = 0;  // standard deviation in the least identifiable direction, at unit noise

@@ -32,6 +32,7 @@ struct SearchProblem {
   std::function<void(double)> progress;  // with the share of the work that is done, 0 to 1
   bool may_cross_itself = true;          // whether a surface that does is looked for
   double least_sigma = Mixture{}.least_sigma;
+  double rounding = 0;  // see NormalisedPoints
 };
 
 // A surface that some of the points suggest.
