@@ -71,7 +71,7 @@ inline constexpr Reason unsure{
         "meant",
         "nothing, where cards, skirts or crowns are lit as the ground or the whole is; else recompute "
         "normals"},
-    departing{"; more than 50 deg from their own triangles, and no average of these",
+    departing{"; more than 60 deg from their own triangles, and no average of these",
               "nothing, where they are authored; else recompute normals"};
 
 }  // namespace reasons

@@ -410,7 +410,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
       // cos(80° + the uncertainty) |m|, to first order.
       if (is_within(least - plane.uncertain))
         supported[v] = true, agrees[v] = agrees[v] || plane.uncertain < 1;
-      // At most cos(50° + asin(the uncertainty) + the rounding).
+      // At most cos(60° + asin(the uncertainty) + the rounding).
       if (is_within(least_near - 2 * (plane.uncertain + rounding))) near[v] = true;
       candidate = candidate && along > 0 && along * along >= (1 - own * own) * square;
     }

@@ -220,7 +220,7 @@ TEST(DepartingNormals, AreWarnedOfWhereNothingElseTells) {
   set_own_normals(mesh);
   EXPECT_EQ(errors(mesh) + warnings(mesh), 0U);
   for (Vec3<double>& n : mesh.normals) {
-    const double c = std::cos(tau / 6), s = std::sin(tau / 6);
+    const double c = std::cos(tau / 5), s = std::sin(tau / 5);
     n = {c * n.x - s * n.y, s * n.x + c * n.y, n.z};
   }
   EXPECT_GT(warnings(mesh), 90U);

@@ -1,6 +1,6 @@
-// Some eighty cells of the matrix of fits, tests/statistics/matrix.cpp, twelve data sets each (six at a
-// landing), every third under auto as well: what is stated holds in every one, up to chance of one in a
-// million. All of the matrix: tests/statistics/matrix.sh.
+// Some eighty cells of the matrix of fits, tests/statistics/matrix.cpp, twelve data sets each, every third
+// under auto as well: what is stated holds in every one, up to chance of one in a million. All of the matrix:
+// tests/statistics/matrix.sh.
 #include "fit_matrix.h"
 
 #include <algorithm>
@@ -49,30 +49,31 @@ std::vector<matrix::Cell> cells_of(std::string_view kind) {
   return result;
 }
 
-// The data sets of a cell.
-std::uint64_t runs() {
-  return thinning() == 1 ? 12 : 6;
-}
-
 class FitMatrix : public testing::TestWithParam<std::string_view> {};
 
 TEST_P(FitMatrix, WhatIsStatedHolds) {
+  constexpr std::uint64_t sets = 12;
   const std::vector<matrix::Cell> cells = cells_of(GetParam());
   ASSERT_GE(cells.size(), 8U);
   matrix::Hits wrong_kind;
   for (const matrix::Cell& cell : cells) {
     matrix::Tally tally;
-    for (std::uint64_t run = 0; run < runs(); ++run)
+    for (std::uint64_t run = 0; run < sets; ++run)
       tally.add(matrix::run_of(cell, run, {.automatic = run % 3 == 0}), cell);
     EXPECT_EQ(tally.outside(cell, matrix::Tally::Judge::no_times), "")
-        << cell.key() << ", data sets 0 to " << runs() - 1 << '\n'
+        << cell.key() << ", data sets 0 to " << sets - 1 << '\n'
         << tally.reasons_text();
-    EXPECT_GE(4 * tally.usable, 3 * runs()) << cell.key() << '\n' << tally.reasons_text();
+    EXPECT_GE(4 * tally.usable, 3 * sets) << cell.key() << '\n' << tally.reasons_text();
     wrong_kind += tally.hits[6];
   }
   // A few data sets of a cell show little, those of all cells more.
-  EXPECT_GE(6 * wrong_kind.n, runs() * cells.size());
+  EXPECT_GE(6 * wrong_kind.n, sets * cells.size());
   EXPECT_LE(wrong_kind.k, 1U) << wrong_kind.k << " of " << wrong_kind.n << " of the wrong kind";
+}
+
+// The data sets of a cell.
+std::uint64_t runs() {
+  return thinning() == 1 ? 12 : 6;
 }
 
 // The first runs of some cells.

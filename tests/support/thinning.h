@@ -21,7 +21,7 @@ inline int thinning() {
 }
 
 /// Of nested loops of at least three turns the combinations whose indices have such a sum: a third, but each
-/// turn of each loop. Each draws from a generator of its own, so that it is the same in every run.
+/// turn of each loop. What a combination draws does not depend on those that are left out.
 inline bool is_taken(int sum_of_indices) {
   return sum_of_indices % std::min(thinning(), 3) == 0;
 }
