@@ -376,7 +376,9 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Corner
   if (is_pole(v) && surface.tangent > limit_of(v)) warn(counts.poles, surface.tangent);
   if (checks_[v].leans || (checks_[v].along_normal && is_unseen(v))) counts.leaning += group.corners;
   if (is_unsupported(v) && may_be_lit_otherwise(v)) counts.lit_otherwise += group.corners;
-  const bool is_told = accurate_.known() || (smooth_.known() && smooth_.normals[v] != Claim::none);
+  // At a border exact normals of coarse sheets are as far.
+  const bool is_told = accurate_.known() || classes_.of_vertex[v] == VertexClass::border ||
+                       (smooth_.known() && smooth_.normals[v] != Claim::none);
   if (!is_told && !mesh_.normals.empty() && under_test_.normals.departing[v])
     counts.departing += group.corners;
   if (error == no_code && accurate_.known() && accurate_.tangent(v) == Claim::beyond)

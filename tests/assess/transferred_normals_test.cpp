@@ -204,26 +204,27 @@ TEST(TransferredNormals, OfCurvedCardsAreNotAllNegated) {
   EXPECT_GT(errors(both), 0U);
 }
 
-// At exactly 45 degrees from the triangles, as billboards are bent.
+// At borders exact normals may be far from few triangles, as of a gutter of three columns: up to 61 degrees.
+// Billboards are bent by 45.
 TEST(DepartingNormals, OfBentBillboardsAreNone) {
   Mesh mesh = grid(1, 1, [](std::uint32_t i, std::uint32_t j) { return Vec3<double>{1.0 * i, 1.0 * j, 0}; });
   set_normals(mesh, [](const Vec3<double>& p) { return Vec3<double>{p.x < 0.5 ? -1.0 : 1.0, 0, 1}; });
   EXPECT_EQ(errors(mesh) + warnings(mesh), 0U);
 }
 
-// A barrel vault: all vertices lie on its border.
+// Facets: neighbours tell nothing.
 TEST(DepartingNormals, AreWarnedOfWhereNothingElseTells) {
-  Mesh mesh = grid(16, 1, [](std::uint32_t i, std::uint32_t j) {
-    const double a = tau / 2 * i / 16.0;
-    return Vec3<double>{std::cos(a), std::sin(a), 2.0 * j};
-  });
-  set_own_normals(mesh);
+  Mesh mesh = flat_shaded(blob());
   EXPECT_EQ(errors(mesh) + warnings(mesh), 0U);
-  for (Vec3<double>& n : mesh.normals) {
-    const double c = std::cos(tau / 5), s = std::sin(tau / 5);
-    n = {c * n.x - s * n.y, s * n.x + c * n.y, n.z};
+  // Turned by 70 degrees about an edge each.
+  const double c = std::cos(70 * tau / 360), s = std::sin(70 * tau / 360);
+  for (std::uint32_t v = 0; v < mesh.normals.size(); ++v) {
+    const std::uint32_t first = v / 3 * 3;
+    const Vec3<double> across =
+        cross(mesh.normals[v], unit(mesh.positions[first + 1] - mesh.positions[first]));
+    mesh.normals[v] = c * mesh.normals[v] + s * across;
   }
-  EXPECT_GT(warnings(mesh), 90U);
+  EXPECT_GT(warnings(mesh), mesh.corners() / 2);
   EXPECT_EQ(errors(mesh), 0U);
 }
 
