@@ -23,8 +23,8 @@ struct EvalAttribute {
 };
 
 /// All: those of attributes.h in their order, then dndu, dndv, first_form (E, F, G), second_form (L, M, N),
-/// christoffel (Γ^u_uu, Γ^u_uv, Γ^u_vv, the same of Γ^v), condition (1 / sine of the angle between dpdu and
-/// dpdv: by what a frame made of them magnifies their rounding). NaN where there is none.
+/// christoffel (Γ^u_uu, Γ^u_uv, Γ^u_vv, the same of Γ^v), condition (1 / sine of the angle between dpdu
+/// and dpdv: by what a frame made of them magnifies their rounding). NaN where there is none.
 std::span<const EvalAttribute> eval_attributes();
 
 }  // namespace darboux

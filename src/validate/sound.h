@@ -39,7 +39,7 @@ double cosine_between(const Vec3<double>& t, const Vec3<double>& n);
 std::vector<Vec3<double>> planes_of_vertices(const Mesh& mesh, const VertexJoins& joins);
 
 constexpr double supported_deg = 80;  // how far a normal may be from all triangles that share it
-constexpr double near_deg = 60;       // exact normals of the coarsest meshes are nearer
+constexpr double near_deg = 60;       // away from borders exact normals of coarse meshes are nearer
 
 // The stored normals beside the planes of the triangles.
 struct NormalChecks {

@@ -208,10 +208,6 @@ class Refinement {
   bool converged_ = false, have_before_ = false;
 };
 
-}  // namespace
-
-namespace {
-
 // The same surface through all points, none an outlier.
 PrimitiveFit with_all_points(const SearchProblem& problem, Hypothesis hypothesis, const PrimitiveFit& fit) {
   double squares = 0;
