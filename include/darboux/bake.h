@@ -1,5 +1,5 @@
 /// \file bake.h
-/// The exact normals of a surface as a tangent-space map for a coarse mesh of it.
+/// Bakes the exact normals of a surface into a tangent-space map for a coarse mesh of it.
 #pragma once
 
 #include <array>

@@ -73,8 +73,8 @@ constexpr S from_bits(const Bits& bits) {
     return std::bit_cast<S>(bits);
 }
 
-// x, with its origin hidden from the compiler. So (x + magic) - magic stays as written if clang is told to
-// reorder sums, which no macro reveals. No effect with other compilers.
+// x, with its origin hidden from the compiler. So (x + magic) - magic stays as written even if clang is told
+// to reorder sums, which no macro reveals. No effect with other compilers.
 template <class S>
 constexpr S opaque(S x) {
 #if defined(__clang__) && (defined(__x86_64__) || defined(__aarch64__))

@@ -15,7 +15,7 @@
 
 namespace darboux {
 
-/// What check_normal_map() saw.
+/// What check_normal_map() found.
 struct NormalMapCheck {
   std::size_t texels = 0;
   std::size_t not_finite = 0;     ///< NaN, infinite or zero

@@ -84,10 +84,10 @@ struct MeshComparison {
 /// matched pair all four numbers of the tangents are bit-equal, or, with max_angle_deg > 0, the angle is at
 /// most that and w is equal. Tangents without a direction have no angle: they must be bit-equal.
 ///
-/// Swapping a and b swaps the results for them and changes nothing else, except the choice of the worst
-/// corner if several are equally bad. Cost: n log k for n corners, k of which share a vertex. That is about
-/// one second for 10^6 triangles if their bits agree, three times that if not. \throws MeshError when a mesh
-/// is inconsistent \throws ParameterError for an angle outside [0, 180]
+/// Exchanging a and b exchanges their results and changes nothing else, except which corner is the worst if
+/// several are equally bad. Cost: n log k for n corners, k of which share a vertex. That is about one second
+/// for 10^6 triangles if their bits agree, three times that if not. \throws MeshError when a mesh is
+/// inconsistent \throws ParameterError for an angle outside [0, 180]
 MeshComparison compare(const Mesh& a, const Mesh& b, const CompareOptions& options = {});
 
 /// A piece of a file: its place and name there.

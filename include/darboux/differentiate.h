@@ -197,7 +197,7 @@ DerivativeEstimate<V> extrapolate(const std::array<V, n + 1>& q, double rounding
   }
   double truncation = truncation_share * size(higher_order - value);
   if constexpr (power == 1 && n > 1) {
-    // Where the leading term of the error changes sign the next one is left, n angle / 2 times smaller.
+    // Where the leading term of the error changes sign, the next one remains: n angle / 2 times as large.
     constexpr auto fewer = weights_at_zero<n - 1, power>();
     V lower_order{};
     for (int k = n - 2; k >= 0; --k) lower_order = lower_order + fewer[k] * q[k];
@@ -429,7 +429,7 @@ Behaviour behaviour(F&& f, double x, double length = 1, const Interval& domain =
 /// f'(x) by the central difference of order 2, 4, 6 or 8 at step h, from f at x ± k h, k = 1 ...
 /// order/2 + 1. The outermost two serve the estimate: 2.5 |D - D'| with D' the difference of the next order,
 /// plus 3.5 times the rms of the rounding. Cost: order + 2 evaluations. On the sphere and the torus it errs
-/// by 3e-11, 4e-13, 5e-14, 2e-14 of 2π|f|.
+/// by 4e-11, 4e-13, 5e-14, 2e-14 of 2π|f|.
 template <int order, class F>
 auto central_difference(F&& f, double x, double h = central_step<order>()) {
   return detail::difference::central<order>(f, x, h, detail::difference::unknown);
@@ -458,7 +458,7 @@ auto one_sided_difference(F&& f, double x, const Behaviour& b, int side) {
 }
 
 /// f''(x) by the central difference of order 2, 4, 6 or 8 at step h, from f at x and at x ± k h, k = 1 ...
-/// order/2 + 1. Cost: order + 3 evaluations. It errs by 1e-8, 3e-11, 2e-12, 4e-13 of 4π²|f| on the sphere
+/// order/2 + 1. Cost: order + 3 evaluations. It errs by 1e-8, 4e-11, 2e-12, 5e-13 of 4π²|f| on the sphere
 /// and the torus.
 template <int order, class F>
 auto second_difference(F&& f, double x, double h = second_step<order>()) {

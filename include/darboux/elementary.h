@@ -301,7 +301,7 @@ S pow(const S& x, const S& e) {
       if (!(x >= 0) || e != e) return Limits::quiet_NaN();
       if (x > Limits::max()) return e > 0 ? infinity : zero;
       subnormal_k = detail::lift_subnormal(base);
-      // Of either sign as good as any beyond, as only 1 itself is closer to 1 than a rounding.
+      // As good as any larger exponent of that sign, as only 1 itself is closer to 1 than a rounding.
       if (!(abs(e) < F::most_power)) exponent = e < 0 ? -F::most_power : F::most_power;
     }
   }

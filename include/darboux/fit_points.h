@@ -101,14 +101,14 @@ const std::vector<std::string_view>& found_kinds();
 /// Fits a surface to points, most of which lie on it up to isotropic Gaussian noise of unknown size; the
 /// others may lie anywhere. No start is needed. The estimate is that of maximum likelihood over orthogonal
 /// distances d for a mixture of inliers N(σ² H, σ²) and outliers of locally constant density, H = (k1 +
-/// k2) / 2 the curvature that moves the mean distance, found by Ceres. Lengths and place of the points do not
-/// matter: they are centred and scaled first. Points at one place count once in the estimate. Of
-/// found_kinds(), without uvs: a clump, a tenth to two thirds of the points in a small ball, is left out
-/// where the others tell a surface that it is not on, and named in `reason`.
+/// k2) / 2 the curvature that moves the mean distance, found by Ceres. The size and the place of the points
+/// do not matter: they are centred and scaled first. Points at one place count once in the estimate. For
+/// found_kinds(), without uvs: a clump (a tenth to two thirds of the points, in a small ball) is left out,
+/// and named in `reason`, where the other points determine a surface that the clump is not on.
 ///
-/// No noise is taken to be less than half of the greatest rounding that the coordinates show (of floats, of
-/// three to twelve decimals, of four to twelve digits, of floats up to eight); where there is no more noise
-/// than that, standard errors take roundings to be alike at all points.
+/// The noise is taken to be at least half of the greatest rounding that the coordinates show (that of floats,
+/// of three to twelve decimals, of four to twelve significant digits, in floats up to eight). Where there is
+/// no more noise than that, standard errors take the roundings to be alike at all points.
 ///
 /// The gauge, where the surface has symmetries (docs/theory/fit.md): the axis points along the positive side
 /// of its largest component, a cone's from base to apex; the u origin is the world axis x, y or z least

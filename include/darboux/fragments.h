@@ -25,8 +25,8 @@ std::optional<TangentPair> fragment_gradients(const std::array<Vec3<double>, 3>&
 enum class FragmentForm : std::uint8_t {
   gradient,      ///< fragment_gradients with the interpolated normal, normalised
   solve,         ///< solve_triangle's T and B, normalised, beside the interpolated normal
-  projected,     ///< T made square to the interpolated normal, b = sign n × t
-  interpolated,  ///< the corners' t interpolated and made square to the interpolated normal, b = sign n × t
+  projected,     ///< T made perpendicular to the interpolated normal, b = sign n × t
+  interpolated,  ///< the corners' t interpolated, then as T in `projected`
   /// The corners' t and n interpolated and left as they are, b = sign n × t: what MikkTSpace asks of
   /// shaders. Not unit, not orthogonal; a normal map's vector is normalised after.
   interpolated_raw,
@@ -44,8 +44,8 @@ struct TriangleFrames {
 /// forms. On a smooth surface with exact frames at the corners, t errs by order 1 for the first three forms
 /// (`gradient`: on orthogonal charts only), by order 2 for the interpolated ones; n by order 2. \param
 /// weights barycentric coordinates, of sum 1 \returns a frame with `fallback` where the triangle or the
-/// interpolated directions give none: where a sum of the corners' unit vectors, or the part of t across n, is
-/// below 16u (u = 2^-53), which is what rounding leaves of nothing
+/// interpolated directions give none: where a sum of the corners' unit vectors, or the part of t
+/// perpendicular to n, is below 16u (u = 2^-53), which rounding alone may leave
 CornerFrame fragment_frame(FragmentForm form, const TriangleFrames& triangle,
                            const std::array<double, 3>& weights);
 

@@ -14,10 +14,10 @@
 namespace darboux {
 
 struct ReadImageOptions {
-  /// What a file says of its colours is dropped. Without, a file that says they are not linear is refused:
-  /// numbers are never converted in silence.
+  /// Whether colour tags of the file are ignored. If not, a file whose tags say that its numbers are not
+  /// linear is refused: numbers are never converted silently.
   bool drop_colour_tags = false;
-  /// Bytes that the decoded texels may take. Without: as ReadOptions::max_memory.
+  /// Bytes that the decoded texels may take. Nothing: as ReadOptions::max_memory.
   std::optional<std::uint64_t> max_memory{};
 };
 

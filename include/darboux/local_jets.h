@@ -23,17 +23,18 @@ struct JetOptions {
   int degree = 3;  ///< of the polynomial, 2 to 4
   /// Of each neighbour, proportional to 1/variance; empty: all alike.
   std::span<const double> weights{};
-  /// The side on which n should lie. Zero, or square to n: the largest component of n (the first of equals)
-  /// is positive.
+  /// The side on which n should lie. Zero, or perpendicular to n: the largest component of n (the first of
+  /// equals) is positive.
   Vec3<double> side{};
   bool u_periodic = false, v_periodic = false;  ///< with period 1: uvs are then taken nearest to the query's
 };
 
 /// The surface at one point, from its neighbours. An `_error` is a standard error: the root of the expected
 /// square of the error from noise and from the polynomial's truncation together. Twice that covers 95 % or
-/// more wherever noise leads or the neighbours lie within an eighth of the smallest radius of curvature, 88 %
-/// or more within three eighths. It is infinite where the neighbours tell a jet but not its error: they are
-/// fewer than jet_coefficients(degree + 1) + 3, or lie on a curve of degree + 1; NaN where there is no jet.
+/// more wherever noise dominates or the neighbours lie within an eighth of the smallest radius of curvature,
+/// 88 % or more within three eighths. It is infinite where the neighbours determine a jet but not its error:
+/// they are fewer than jet_coefficients(degree + 1) + 3, or lie on a curve of degree + 1; NaN where there is
+/// no jet.
 struct LocalJet {
   Vec3<double>
       position;    ///< on the fitted surface, above or below the query along the neighbours' plane normal

@@ -67,8 +67,8 @@ struct FrameMethod {
 /// All of them:
 ///   mikktspace             MikkTSpace to the bit (mikktspace.h), b = sign unit(n × t). A t that is not unit
 ///                          is replaced by a fallback. If no triangle serves the corner, t is a fallback
-///                          too; it lies across n, which the original's (1, 0, 0) need not. Where dpdu is
-///                          along n, t is the rounding error of its part across n, of any direction
+///                          too; it is perpendicular to n, as the original's (1, 0, 0) need not be. Where
+///                          dpdu is along n, t is rounding error, of any direction
 ///   mikktspace-bitangent   the same with its own b
 ///   face                   the 2x2 solve of each triangle, unit(T), unit(B), face normal
 ///   average                sums of T and B over a vertex's triangles (lengths included), Gram-Schmidt

@@ -85,15 +85,15 @@ struct MikkTangent {
 /// the shorter diagonal in the uvs.
 ///
 /// Where a position or uv is beyond 2^28, or all are below 2^-28, each triangle is multiplied by a power of
-/// two first, so that nothing overflows or vanishes as it does in the original. Where nothing does there,
-/// that changes no bit.
+/// two first, so that nothing overflows or vanishes as it does in the original. Where nothing would overflow
+/// or vanish in the original, that changes no bit.
 ///
-/// t and b are unit and across the normal, or zero where their sum is, with these exceptions, which are the
-/// original's. Where p or q is along n to rounding, p' or q' is rounding: unit, of any direction, even along
-/// n. If a non-zero vector that is to be made unit has no component above 2^-75, its square is 0: t or b gets
-/// infinities or NaN. With no component above 2^-126 it is left as short as it is. With none above 2^-63 its
-/// square has few bits: t or b is 0.7 to 1.23 long. Each case needs a normal or direction with components
-/// that are not zero but at most 2^-36 of the others, or sums that cancel down to such vectors.
+/// t and b are unit and perpendicular to the normal, or zero where their sum is, except in these cases, as in
+/// the original. Where p or q is along n to rounding, p' or q' is rounding: unit, of any direction, even
+/// along n. If a non-zero vector that is to be made unit has no component above 2^-75, its square is 0: t or
+/// b gets infinities or NaN. With no component above 2^-126 it is left as short as it is. With none above
+/// 2^-63 its square has few bits: t or b is 0.7 to 1.23 long. Each case needs a normal or direction with
+/// components that are not zero but at most 2^-36 of the others, or sums that cancel down to such vectors.
 ///
 /// The lengths are sum(angle |dpdu|) / sum(angle) and the same of dpdv, zero where the angles are, and never
 /// negative. Where |dpdu| or angle |dpdu| summed is beyond float's range, above 3.4e38, the length is

@@ -78,16 +78,16 @@ struct NormalMapOptions {
   MapDecode decode = MapDecode::mikktspace;
   MapGreen green = MapGreen::opengl;
   const AnySurface* surface = nullptr;  ///< for MapBasis::analytic
-  /// z of a tangent-space map is made of x and y: sqrt(max(0, 1 - x² - y²)); blue is not read.
+  /// z of a tangent-space map is computed from x and y: sqrt(max(0, 1 - x² - y²)); blue is not read.
   bool two_channels = false;
-  /// A texel's vector keeps its length. Without, what is written is unit.
+  /// Whether a texel's vector keeps its length. If not, what is written is unit.
   bool keep_length = false;
   bool signed_floats = false;  ///< SampleType::f32 holds -1 to 1, not 0 to 1
   /// Adds noise to each channel, uniform over a code, before it is rounded down, so that codes are right on
-  /// average. A number that the noise is made of.
+  /// average. The value is the seed of the noise.
   std::optional<std::uint64_t> dither;
   int dilate = 0;                          ///< texels by which islands grow into the gutter; at most 1024
-  std::optional<SampleType> type;          ///< of what is written; the input's without
+  std::optional<SampleType> type;          ///< of what is written; nothing: the input's
   int threads = 1;                         ///< 0: all; the bits do not depend on it
   std::function<void(double)> progress{};  ///< called with the share that is done, from any thread
 };

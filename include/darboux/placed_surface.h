@@ -51,7 +51,7 @@ struct PlacedSurface {
 
   Vec3<double> position(const Vec2<double>& stored) const;
   Truth truth(const Vec2<double>& stored) const;  ///< of the surface as it is, without deviations
-  /// The same, where the surface's sample at uv.surface_uv(stored) is at hand.
+  /// The same from the surface's sample at uv.surface_uv(stored).
   Truth truth(const Vec2<double>& stored, const Sample<double>& at) const;
 };
 

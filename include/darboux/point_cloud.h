@@ -8,8 +8,8 @@
 
 namespace darboux {
 
-/// Points with what is known about each. An attribute the cloud lacks is empty, any other has one entry a
-/// point.
+/// Points with what is known about each. An attribute that the cloud lacks is empty; any other has one entry
+/// per point.
 struct PointCloud {
   std::vector<Vec3<double>> positions;
   std::vector<Vec3<double>> normals;  ///< as stored, of either side and any length

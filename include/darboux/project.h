@@ -31,13 +31,14 @@ enum class Extent {
 /// Projects points onto one surface by Newton's method on half the squared distance in (u, v). The Hessian is
 /// made positive definite, and the step is halved until the distance falls. [NocedalWright2006, sec. 3.4] A
 /// search starts from the local minima of the distance on a grid of 33 by 33 points of the patch, nearest
-/// first; starts that cannot lead nearer than what is found are skipped. Two feet that are closer together
-/// than the grid resolves can be mistaken for one another. At a point where the chart collapses (a pole) a
-/// step continues in the best of 16 directions. The foot is accurate to a few roundings of the surface's size
-/// and |p|, divided by 1 - d κ of the nearer principal curvature. Where that is zero (p is a focal point)
-/// convergence slows down; `converged` tells whether it was reached. Creases and points with infinite
-/// partials may prevent it too. An extended linear coordinate is searched from the patch outward. Immutable:
-/// threads may share one. Cost: about 10 us per search on a sphere, 1 us from a start beside the foot.
+/// first; starts that cannot lead to a nearer foot than the one found are skipped. Two feet that are closer
+/// together than the grid resolves can be mistaken for one another. At a point where the chart collapses (a
+/// pole) a step continues in the best of 16 directions. The foot is accurate to a few roundings of the
+/// surface's size and |p|, divided by 1 - d κ of the nearer principal curvature. Where that is zero (p is a
+/// focal point) convergence slows down; `converged` tells whether it was reached. Creases and points with
+/// infinite partials may prevent it too. An extended linear coordinate is searched from the patch outward.
+/// Immutable: threads may share one. Cost: about 10 us per search on a sphere, 1 us from a start beside the
+/// foot.
 class Projector {
  public:
   explicit Projector(const AnySurface& surface, Extent extent = Extent::extended);

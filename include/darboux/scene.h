@@ -65,7 +65,8 @@ struct Camera {
   double view_height = 2;                           ///< of an orthographic camera, a length
   double near_distance = 0.1, far_distance = 1000;  ///< lengths along the view; far may be infinity
 
-  /// In `eye` looking at `target`. \throws ParameterError when they are one, or `up` is parallel to the view
+  /// At `eye`, looking at `target`. \throws ParameterError when they coincide, or `up` is parallel to the
+  /// view
   static Eigen::Isometry3d look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
                                    const Eigen::Vector3d& up = {0, 0, 1});
   /// \throws ParameterError naming what is wrong: a pose that is not rigid or finite, sizes below one pixel,
@@ -78,7 +79,7 @@ struct Camera {
 /// \throws ParameterError where projections or image sizes differ
 Camera between(const Camera& from, const Camera& to, double t);
 
-/// What is asked for. A bound of infinity asks for nothing; the strictest of them decides.
+/// What is asked for. A bound of infinity does not restrict; the strictest bound decides.
 struct SceneRequest {
   Attributes attributes = Attribute::position | Attribute::normal | Attribute::tangent4;
   /// How far the surface may be from the triangles through the samples: in pixels of the camera, and in the
@@ -86,8 +87,8 @@ struct SceneRequest {
   double chord_px = 0.5, chord = std::numeric_limits<double>::infinity();
   /// By how much t, b and n may differ from those interpolated in a triangle and normalised.
   double frame_angle_rad = 0.0175;  ///< radians, about 1 degree
-  /// What may be skipped. Nothing is every instance uniformly, at the resolution that its nearest point
-  /// needs.
+  /// What may be skipped. With everything off, each instance is evaluated uniformly, at the resolution that
+  /// its nearest point needs.
   struct Skip {
     bool unread_attributes = true;  ///< tangents of materials that read none
     bool outside_frustum = true, back_facing = true, below_error = true, duplicates = true;
@@ -170,12 +171,12 @@ struct ScenePlan {
   std::array<std::uint64_t, attribute_count> attribute_samples{};
 };
 
-/// What is to be evaluated for one camera. Nothing that is seen is left out: what is culled is so by a proven
-/// bound, rounding included. Resolutions keep the bounds asked for, proven but for tiles_unbounded. Surfaces
-/// without bounds are not culled, and their resolution is estimated from samples. Cost: about 0.2 us per
-/// instance outside the frustum, 0.5 us per small one in view, and up to some ms per surface without closed
-/// forms, whose tiles are bounded first: docs/reports/scene.md. \throws ParameterError for a camera or a
-/// bound that is out of range, an index that is, a placement that is singular or not finite, or bounds that
+/// What is to be evaluated for one camera. Nothing that is seen is left out: whatever is culled is culled by
+/// a proven bound, rounding included. Resolutions keep the bounds asked for, proven but for tiles_unbounded.
+/// Surfaces without bounds are not culled, and their resolution is estimated from samples. Cost: about 0.2 us
+/// per instance outside the frustum, 0.5 us per small one in view, and up to some ms per surface without
+/// closed forms, whose tiles are bounded first: docs/reports/scene.md. \throws ParameterError for a camera or
+/// a bound that is out of range, an index that is, a placement that is singular or not finite, or bounds that
 /// ask for more than 2^24 tiles in view, duplicates and what others hide included, or 2^18 of one surface
 ScenePlan plan_scene(const Scene& scene, const Camera& camera, const SceneRequest& request);
 
@@ -226,8 +227,8 @@ class TileSamples {
     return {x[0], x[1], x[2]};
   }
   Status status(std::size_t i) const { return status_[i]; }
-  /// Three indices a triangle, such that dpdu × dpdv is their side. Without gaps to the neighbours, and
-  /// without T-junctions.
+  /// Three indices per triangle, wound counter-clockwise as seen from the side of dpdu × dpdv. There are no
+  /// gaps to the neighbours, and no T-junctions.
   std::span<const std::uint32_t> triangles() const { return triangles_; }
 
  private:

@@ -24,7 +24,8 @@ struct SceneMeshPart {
   bool moves = false;          ///< as by morph targets: bounds are not known
   std::size_t vertices = 0;
 
-  /// Of all triangles of a mesh; one with positions that are not finite moves. Cost: some 30 ns a triangle.
+  /// The part that holds all triangles of a mesh; it moves if a position is not finite. Cost: some 30 ns per
+  /// triangle.
   static SceneMeshPart of(const Mesh& mesh, std::uint32_t material);
 };
 

@@ -71,12 +71,12 @@ struct TangentNeeds {
   NeedTotals totals;
 };
 
-/// Reads the document alone, at NeedLevel::pixels the normal maps too. Cost: linear in meshes, nodes and
+/// Reads the document alone; at NeedLevel::pixels, the normal maps too. Cost: linear in meshes, nodes and
 /// materials, about a microsecond per primitive; some 5 ns per texel.
 /// \throws FileError for a document that contradicts itself
 TangentNeeds tangent_need(const GltfDocument& document, NeedLevel level = NeedLevel::spec);
 
-/// The same of a file: its JSON is read and nothing else, at NeedLevel::pixels the normal maps too. Buffers
+/// The same for a file, of which only the JSON is read; at NeedLevel::pixels, the normal maps too. Buffers
 /// and images may be absent. \throws FileError for a file that cannot be read, or is no glTF
 TangentNeeds tangent_need(const std::string& path, NeedLevel level = NeedLevel::spec,
                           const ReadOptions& options = {});

@@ -26,8 +26,8 @@ struct TileRates {
   double position_uu = unknown, position_uv = unknown, position_vv = unknown;  ///< |d²P|
   double frame_u = unknown, frame_v = unknown;    ///< angular velocity of the frame (t, b, n)
   double normal_u = unknown, normal_v = unknown;  ///< |dn|
-  /// The part of d²n that is perpendicular to n, and the largest such part of t, b and n: what along n
-  /// changes its length only when it is interpolated.
+  /// The part of d²n that is perpendicular to n, and the largest such part of t, b and n: a part along n
+  /// changes only the length of the interpolated vector.
   double normal_uu = unknown, normal_uv = unknown, normal_vv = unknown;
   double frame_uu = unknown, frame_uv = unknown, frame_vv = unknown;
 
@@ -46,8 +46,8 @@ struct TileRates {
   double frame_interpolation_angle(double du, double dv) const;
 };
 
-/// The derivatives of frames that are bounded: the first, or the second too, which take the third partials;
-/// or perhaps none, where only positions count.
+/// Which derivatives of the frame are bounded: possibly none, where only positions count; the first; or the
+/// second too, which take the third partials.
 enum class TileOrder : std::uint8_t { position, first, second };
 
 namespace tiles {

@@ -79,8 +79,8 @@ struct WorkSample {
   double time_low = 0, time_high = 0;              ///< their quartiles
   std::array<double, work_metrics.size()> metric;  ///< NaN: none; time_ns is the median of the rounds
   /// on_front: no other sample of the same surface and mesh family dominates this one. best_of_family: none
-  /// of the same method family does. To dominate is to be at least as fast and as exact, and better in one of
-  /// the two (mark_fronts()).
+  /// of the same method family does. A sample dominates another if it is at least as fast and as exact, and
+  /// better in one of the two (mark_fronts()).
   bool on_front = false, best_of_family = false;
 
   double operator[](std::string_view name) const { return metric[find_work_metric(name)]; }

@@ -11,9 +11,9 @@
 
 namespace darboux {
 
-// A cylinder, cone or torus whose normals the stored ones are; the axis comes from the normals, in closed
-// form, the rest from the positions. Its chart is unknown. Nothing where the mesh has no normals or they are
-// no such surface's.
+// A cylinder, cone or torus that has the stored normals. The axis comes from the normals, in closed form, the
+// rest from the positions. The chart is unknown. Nothing if the mesh has no normals, or if they are not those
+// of such a surface.
 std::optional<MeshFit> fit_by_normals(const Mesh& mesh, const Shape& shape, SurfaceKind kind);
 
 }  // namespace darboux

@@ -30,7 +30,7 @@ class Cutter {
 
  private:
   static constexpr std::uint32_t none = 0xffffffff;
-  // The number of a vertex among those seen since they were forgotten, in the order of appearance.
+  // The number of a vertex, counted in order of appearance since the last forget().
   std::uint32_t number(std::uint32_t vertex);
   void forget();
 
@@ -41,7 +41,7 @@ class Cutter {
   std::vector<std::uint32_t> seen_;
 };
 
-// What is known of the whole, for the part.
+// The part under test, with what is known of the whole mesh.
 MeshUnderTest restrict_to(const MeshUnderTest& whole, const MeshPart& part, double max_angle_deg);
 
 using UvSets = std::vector<std::pair<int, std::vector<Vec2<double>>>>;

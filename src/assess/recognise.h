@@ -20,27 +20,28 @@ namespace darboux {
 // that it must fit better. \param limit the rms_relative up to which it would fit
 std::string nearest_fit(const MeshFit& fit, double limit);
 
-// How much may still be tried on one mesh, after what was tried on others of its file: a limit of time, and
+// What may still be tried on a mesh, given what was tried on the other meshes of its file: a time limit, and
 // counts of parts that matched no surface.
 class SearchBudget {
  public:
-  // What parts that repeat have in common, wherever they lie: their shape in five numbers; uvs, normals.
+  // What repeated parts have in common, wherever they lie: five numbers for their shape, one each for uvs and
+  // normals.
   using Outline = std::array<std::size_t, 7>;
 
   explicit SearchBudget(const AssessOptions& options);
   SearchBudget(const SearchBudget&) = delete;
   SearchBudget& operator=(const SearchBudget&) = delete;
-  bool spent() const;                            // the budget is; ask only where something would be left out
-  bool cut_short() const { return cut_short_; }  // whether something was
-  // Whether a part like it failed before: within this mesh alike in shape, in other meshes alike in uvs and
-  // normals as well.
+  bool spent() const;                            // time is up; ask only where something would be left out
+  bool cut_short() const { return cut_short_; }  // whether something was left out
+  // Whether a similar part failed before: of this mesh, one of the same shape; of other meshes, one of the
+  // same uvs and normals as well.
   bool has_failed(const Outline& outline) const;
   void failed(const Outline& outline);
-  // Whether only cheap fits may be tried on a part; counts it where that is so.
+  // Whether only cheap fits may be tried on a part; if so, counts the part.
   bool count_if_brief();
   std::size_t searched_briefly() const { return searched_briefly_; }
-  // Only once, and not in a mesh that falls apart into islands of an atlas: there only kinds that are found
-  // by positions are charted.
+  // Whether affine maps of uvs may be searched: once per mesh, and never in a mesh that falls apart into
+  // islands of an atlas, where only kinds that are found by positions are charted.
   bool may_search_affine(const Shape& shape);
 
  private:

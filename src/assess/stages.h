@@ -1,4 +1,4 @@
-// From a file to its verdict, one record a stage:
+// From a file to its verdict, one record per stage:
 //
 //   read_asset()       Primitive          a piece of a file: its mesh, other uv sets, nodes io.h
 //   prepare()          MeshUnderTest      the mesh, with what is computed from it once  mesh_under_test.h

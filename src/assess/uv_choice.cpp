@@ -15,8 +15,8 @@ namespace {
 constexpr double follows = 0.8, closer = 0.97;
 
 // How tangents follow the uvs: the share of corners within the cone, of those about which it claims
-// something, the mean angle to the dpdu of each corner's triangle, both made square to the normal, and at how
-// many more corners w has glTF's sign than the raw one.
+// something, the mean angle to the dpdu of each corner's triangle, both made perpendicular to the normal, and
+// at how many more corners w has glTF's sign than the raw one.
 struct Following {
   double share_within = 0, mean_rad = 0;
   std::ptrdiff_t gltf_signs = 0;

@@ -16,7 +16,7 @@ namespace {
 
 using io::JsonCursor;
 
-// Reads no further than the first texel that is not.
+// Reads no further than the first texel that is not flat.
 bool is_flat(const std::string& file, const std::string& name, std::string_view bytes, bool two_channels,
              double scale) {
   bool flat = true;

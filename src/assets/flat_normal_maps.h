@@ -11,9 +11,9 @@
 
 namespace darboux {
 
-// Looks at the images of a document, each once for a way to read it. A map is flat where every texel, its x
-// and y times the scale of the texture, is (0, 0, 1) as far as 8 bits can tell: |x|, |y| <= 1/255 and z >= 1
-// - 2/255. Only what is stored without loss says so: PNG.
+// Looks at the images of a document, at each once per way of reading it. A map is flat where every texel, its
+// x and y times the scale of the texture, is (0, 0, 1) as far as 8 bits can tell: |x|, |y| <= 1/255 and
+// z >= 1 - 2/255. Only what is stored without loss says so: PNG.
 class FlatNormalMaps {
  public:
   explicit FlatNormalMaps(const GltfFile& file) : file_(file) {}
@@ -30,7 +30,7 @@ class FlatNormalMaps {
 
   const GltfFile& file_;
   io::ReadBuffers buffers_;
-  // By what names the bytes, by whether there are two channels, and by scale.
+  // By the source of the bytes, whether there are two channels, and scale.
   std::map<std::tuple<std::string, bool, double>, Answer> known_;
 };
 

@@ -56,7 +56,7 @@ void check_map_memory(const std::string& file, std::uint64_t there, std::uint64_
   constexpr std::uint64_t state_bytes = 5;
   const std::uint64_t texel_bytes =
       static_cast<std::uint64_t>(channels) * sample_bytes[static_cast<std::size_t>(type)] + state_bytes;
-  // The user asks for it, not a small file.
+  // The user asks for this memory, so the smaller limit for small files does not apply.
   io::Budget(options, io::small_file, there)
       .take(texels * texel_bytes, io::FilePlace{file}, "a map of " + std::to_string(texels) + " texels");
 }

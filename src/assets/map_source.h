@@ -28,7 +28,7 @@ struct MapSource {
 MapSource map_source(const std::string& path, const std::optional<ChosenPrimitives>& only,
                      const ReadOptions& options);
 
-/// Holds what convert_normal_map() takes for its result against ReadOptions::max_memory.
+/// Checks the memory that convert_normal_map() takes for its result against ReadOptions::max_memory.
 /// \param there bytes of what it reads \param texels with so many channels of a type \throws FileError
 void check_map_memory(const std::string& file, std::uint64_t there, std::uint64_t texels, int channels,
                       SampleType type, const ReadOptions& options);

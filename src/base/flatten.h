@@ -1,4 +1,5 @@
-// A function with this has all it calls inlined; instrumented, that would take minutes to compile.
+// All calls in a function with this attribute are inlined. With the address sanitizer that would take minutes
+// to compile.
 #pragma once
 
 #if defined(__SANITIZE_ADDRESS__)

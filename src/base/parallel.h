@@ -22,8 +22,8 @@ inline std::size_t thread_count(int threads) {
 }
 
 /// f(k) for each k below n, a task each, in the caller's arena, whose workers stay awake from call to call.
-/// Isolated: a thread that waits takes no other task of the caller's, and its cancellation leaves nothing
-/// out.
+/// Isolated: a thread that waits takes no other task of the caller's, and a cancellation of the caller's
+/// tasks cancels none of these.
 template <class F>
 void parallel_tasks(std::size_t n, const F& f) {
   TaskOrder order;

@@ -3,7 +3,7 @@
 
 namespace darboux {
 
-// The value that t with `freedom` > 0 degrees of freedom is below with this probability.
+// The quantile of Student's t with `freedom` > 0 degrees of freedom at this probability.
 double student_t(double probability, double freedom);
 
 }  // namespace darboux

@@ -25,8 +25,8 @@ inline constexpr std::array<const char*, 6> frame_format_names{"table", "json", 
 
 /// Evaluates points and writes them, in memory that does not grow with their number.
 ///   table, json, csv  with u, v and the status, in double
-///   f32, f64          for each point the numbers of its attributes, little-endian, nothing else; f32 in
-///                     single precision throughout: u, v and the parameters are rounded first
+///   f32, f64          for each point the numbers of its attributes, little-endian, nothing else; f32 is
+///                     evaluated in double, then rounded
 ///   npy               the same as f64 after a header of 128 bytes, shape (points, numbers)
 class FrameWriter {
  public:

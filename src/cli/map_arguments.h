@@ -60,7 +60,7 @@ double rms_relative(const PlacedSurface& surface, std::span<const MapPiece> piec
 /// vertices there.
 inline constexpr double corners_fit_below = 2 * fits_below;
 
-/// What `f` gives; a MeshError has the mesh's file before it then. \throws FileError
+/// Returns f(). \throws FileError for a MeshError of f, with the mesh's file before its message
 template <class F>
 auto naming_the_mesh(const std::string& file, const F& f) {
   try {

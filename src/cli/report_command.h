@@ -71,8 +71,8 @@ void read_names(const io::JsonCursor& list, std::vector<std::string>& names, Fin
   }
 }
 
-/// What every study file has: that it is of this command, and its preset, surfaces and seed, by which
-/// `choices` is overridden. The preset comes first: it is all that is not said otherwise.
+/// Reads what every study file has: checks that it is for this command, then overrides `choices` by its
+/// preset, surfaces and seed. The preset comes first: it supplies whatever the file does not state.
 template <class Choices>
 void read_common(const io::JsonCursor& study, const char* command,
                  std::optional<Choices> (*preset_named)(std::string_view), Choices& choices) {
@@ -93,7 +93,7 @@ void read_common(const io::JsonCursor& study, const char* command,
 void read_resolutions(const io::JsonCursor& list, std::size_t fewest, const char* expected, int finest,
                       std::vector<int>& resolutions);
 
-/// Hands the result of each job that has one to take(job, result), and counts these jobs.
+/// Calls take(job, result) for each job that has a result, and counts these jobs.
 /// \param what the results are, "samples of converge" \param file where they were read from
 /// \throws FileError for a result of another shape
 template <class Take>

@@ -156,8 +156,8 @@ std::string uv_convention(const MeshFit& fit);
 
 Json report_json(const std::vector<AssessedFile>& files, bool with_baseline);
 
-/// A short table a mesh and part; where there are many of them or many files and no details are asked for,
-/// only what was found. \param quiet a line for each file, its verdict
+/// A short table per mesh and part; only the findings, if there are many meshes and parts, or many files, and
+/// no details are asked for. \param quiet a line for each file, its verdict
 void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool details, bool quiet);
 
 /// Static Analysis Results Interchange Format 2.1.0, with what GitHub's code scanning asks for.
@@ -168,7 +168,7 @@ Json sarif(const std::vector<AssessedFile>& files, bool with_baseline);
 /// only what has become more frequent.
 void print_github(const std::vector<AssessedFile>& files, bool with_baseline);
 
-/// JUnit's XML, a test case each mesh or part; what counts against the run is a failure.
+/// JUnit's XML, one test case per mesh or part; what counts against the run is a failure.
 std::string junit(const std::vector<AssessedFile>& files, bool with_baseline);
 
 }  // namespace darboux

@@ -1,4 +1,4 @@
-// The way of results to memory.
+// How results get to memory.
 #pragma once
 
 #include <algorithm>

@@ -57,7 +57,7 @@ double number_of(std::string_view field, const Lines& lines);
 /// Fills in PointFile::place. \param used by a triangle
 void find_places(PointFile& file, const std::vector<bool>& used);
 
-// One function a family of formats.
+// One function per family of formats.
 PointFile read_table(PointReader& reader);
 PointFile read_obj_points(PointReader& reader);
 PointFile read_stl_points(PointReader& reader);

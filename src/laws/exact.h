@@ -41,7 +41,7 @@ double largest_difference(const Vec3<S>& a, const Vec3<Multiprecision>& b) {
       Vec3<Multiprecision>{Multiprecision(a.x), Multiprecision(a.y), Multiprecision(a.z)}, b);
 }
 
-// What can be said of the partials at a point.
+// Scales and conditions of the partials at a point.
 struct PartialScales {
   std::array<double, 6> scale;      // that given, or the partial's own size where that is larger
   std::array<double, 6> condition;  // relative to scale

@@ -10,7 +10,7 @@
 
 namespace darboux {
 
-// How many are worth asking for at once.
+// How many points are worth asking for at once.
 inline constexpr std::size_t jets_at_once = 64;
 
 // To the bits of uv_jet(); each has a neighbour or more. \throws ParameterError as find_kernels

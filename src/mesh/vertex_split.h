@@ -15,8 +15,8 @@
 
 namespace darboux {
 
-/// As split_vertices() has them, in a split that has none yet. \param others the corners \param compare as
-/// memcmp() the values of two corners
+/// Adds new vertices for some corners, as split_vertices() does, to a split that has none yet. \param others
+/// these corners \param compare compares the values of two corners, as memcmp() does
 template <class Compare>
 void split_off(SplitVertices& split, std::span<const std::uint32_t> corners,
                std::vector<std::uint32_t> others, const Compare& compare) {

@@ -14,7 +14,7 @@
 
 namespace darboux {
 
-// Fetches what is soon read from memory.
+// Prefetches what will be read soon.
 inline void prefetch(const void* first, std::size_t bytes) {
   for (std::size_t i = 0; i < bytes; i += 64) __builtin_prefetch(static_cast<const char*>(first) + i);
 }

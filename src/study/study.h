@@ -48,8 +48,9 @@ struct StudyOptions {
 };
 
 /// Runs the jobs of the shard that the results file lacks, and appends each result as soon as it is there,
-/// with one write. Returns the results by job, null for those of other shards. A last line that was cut short
-/// is done again. Values pass through JSON text also without a file, so that both give the same bits.
+/// with one write. Returns the results by job, null for those of other shards. A job whose line at the end
+/// was cut short is run again. Values pass through JSON text also without a file, so that both give the same
+/// bits.
 /// \param progress called with the share done, in [0, 1], on the calling thread
 /// \throws FileError for results of another study, version or shard, a broken line, a file that another
 /// process is writing, and a disk that is full: what was written until then stays, and can be resumed

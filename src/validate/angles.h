@@ -12,7 +12,7 @@
 
 namespace darboux {
 
-// The part of a vector that is square to n.
+// The part of a vector that is perpendicular to n.
 inline Vec3<double> square_to(const Vec3<double>& a, const Vec3<double>& n) {
   return a - (dot(a, n) / dot(n, n)) * n;
 }
@@ -24,7 +24,7 @@ inline bool has_direction(const Vec3<double>& a) {
 // Degrees between what is stored and a truth; negative where there is nothing to compare.
 struct Angles {
   double normal = -1, tangent = -1, bitangent = -1;
-  double projected_tangent = -1;  // of the tangent made square to the stored normal, which is what readers do
+  double projected_tangent = -1;  // of the tangent made perpendicular to the stored normal, as readers do
 };
 
 // \param inward whether to compare with -n \param raw the sign convention of the stored w
@@ -32,7 +32,7 @@ Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks, con
               bool raw);
 
 // Vertices seen from inside, to be compared with -n: where the normal and the winding both oppose the
-// surface's n at most of their corners. Of a plate with two sides each side is compared with its own.
+// surface's n at most of their corners. On a plate with two sides, each side is compared with its own n.
 std::vector<bool> inward_vertices(const Mesh& mesh, std::span<const Truth> truth);
 
 // Vertices whose normal opposes the surface's n, whatever the winding.

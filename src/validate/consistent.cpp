@@ -13,8 +13,8 @@ namespace {
 
 constexpr double most_scaled = 0.03;  // of a mesh's tangents, that a baked scale may explain: a choice
 
-// Turned tangents. The facets of a prism with three sides, square to normals that stand between them, turn
-// what its uvs say by 25 degrees, and more sides by less.
+// Turned tangents. On a prism with three sides and normals between those of its facets, making dpdu
+// perpendicular to the normal turns it by 25 degrees; with more sides, by less.
 constexpr double foreshortened_deg = 30;
 constexpr double nearly_all = 0.9;
 constexpr std::size_t least_turned = 8;  // corners of vertices

@@ -1,7 +1,7 @@
 // Question 2, consistent: are the stored tangents those of the mesh's own triangles?
 //
-// What it may claim. The dpdu of a corner's triangles, each made square to the stored normal, span a cone of
-// directions in the plane of that normal. Every average of them with positive weights lies inside:
+// What it may claim. The dpdu of a corner's triangles, each made perpendicular to the stored normal, span a
+// cone of directions in the plane of that normal. Every average of them with positive weights lies inside:
 // MikkTSpace's, by area, by angle, any other. A tangent farther outside than the limit is no such average.
 // That is an error, unless a known surface or, on a coarse mesh, the neighbours (smooth.h) allow it.
 //

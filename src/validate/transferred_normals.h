@@ -10,12 +10,12 @@
 
 namespace darboux {
 
-// Of the vertices with unsupported normals those that may be such. The normals go on smoothly from there, to
-// all neighbours of all unsupported vertices around; and the piece is a card, at least half of whose vertices
-// lie on its border, or it is curved and its normals turn less than the surface does, without being all the
-// same. Normals that are negated in a part have a jump at its edge; those of a whole piece that are turned as
-// one turn as much as the surface. A curved card whose normals are all negated is refused too; of a flat one
-// nothing tells.
+// Which of the vertices with unsupported normals may have transferred ones. The normals go on smoothly from
+// there, to all neighbours of all unsupported vertices around; and the piece is a card, at least half of
+// whose vertices lie on its border, or it is curved and its normals turn less than the surface does, without
+// being all the same. If the normals of a region are negated, they jump at its edge; if those of a whole
+// piece are rotated together, they turn as much as the surface. A curved card whose normals are all negated
+// is refused, too; for a flat one nothing decides.
 // \param has_area triangles with area \param unsupported of vertices
 // \param sheet_border those at the borders of sheets that lie back to back
 std::vector<bool> may_be_transferred(const Mesh& mesh, const std::vector<bool>& has_area,

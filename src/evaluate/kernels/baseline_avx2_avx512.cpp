@@ -1,4 +1,4 @@
-// The table of an instruction set, baseline, AVX2 or AVX-512; compiled once for each, DARBOUX_ISA names this
+// The table of an instruction set, baseline, AVX2 or AVX-512; compiled once for each; DARBOUX_ISA names this
 // one. Everything but the table has internal linkage.
 #include "index_in_catalogue.h"
 #include "kernel_list.h"

@@ -41,7 +41,7 @@ auto each(const F& f) {
   return result;
 }
 
-/// One truth value a lane. As a bool it is that of all lanes; where they differ the batch diverges.
+/// One truth value per lane. As a bool it is that of all lanes; where they differ, the batch diverges.
 template <class T, std::size_t N = 1>
 class Mask {
  public:
@@ -108,8 +108,8 @@ class LaneBits {
   Registers value_;
 };
 
-/// A number a lane, of N registers: several for long chains of operations, of which the processor then has N
-/// to work on.
+/// One number per lane, in N registers: several for long chains of operations, so that the processor has N of
+/// them to work on.
 template <class T, std::size_t N = 1>
 class Lanes {
  public:

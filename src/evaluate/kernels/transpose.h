@@ -1,5 +1,5 @@
 /// \file transpose.h
-/// Square blocks of numbers, a register a row, transposed in registers.
+/// Square blocks of numbers, one register per row, transposed in registers.
 #pragma once
 
 #include <array>

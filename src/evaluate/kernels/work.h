@@ -15,7 +15,7 @@ namespace darboux::kernels {
 /// Where the components of one attribute go.
 enum class Arrangement : std::uint8_t {
   absent,    ///< nobody asked for it
-  separate,  ///< an array a component
+  separate,  ///< one array per component
   packed,    ///< one array of vectors
   tiled,     ///< rows of the tile, from which the structs are written
 };
@@ -64,10 +64,10 @@ struct Work {
   const void* surface = nullptr;  ///< the surface type over T that the kernel was made for
   Source<T> u, v;
   bool in_domain = false;   ///< nobody needs to look; both coordinates are prepared
-  bool v_is_needed = true;  ///< false: only what depends on u alone is asked for
+  bool v_is_needed = true;  ///< false: everything asked for depends on u alone
   std::size_t count = 0;    ///< of points, at least batch_size
   std::array<Slot<T>, attribute_count> slots{};
-  T* tile = nullptr;  ///< batch_size numbers a row, aligned to lines
+  T* tile = nullptr;  ///< batch_size numbers per row, aligned to lines
   const Run<T>* runs = nullptr;
   std::size_t run_count = 0;
   bool raw_sign = false;  ///< tangent4 in the raw sign convention

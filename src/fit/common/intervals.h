@@ -9,8 +9,8 @@
 
 namespace darboux::fit {
 
-// Adds to a fit whose noise is known to some degrees of freedom: inliers' residuals less unknowns, infinite
-// where it was given.
+// Adds standard errors and intervals to a fit. The noise is known to some degrees of freedom: the number of
+// the inliers' residuals less unknowns; infinite where it was given.
 class Intervals {
  public:
   Intervals(PointFit& fit, double degrees_of_freedom);

@@ -18,7 +18,7 @@ namespace darboux::fit {
 // The points centred by their medians and scaled by a power of two to a median distance of about 1: no
 // outlier, however far, decides what the digits are spent on. A column for each place: points at one place
 // tell no more than one of them. Not those that are not finite, nor those beyond a million median distances,
-// which are on no surface that could be told.
+// which lie on no surface that could be recognised.
 //
 // With uvs each point has a column, as one place may have several uvs; the unit is just twice the median
 // distance, so that likelihoods, which are of positions in that unit, are the same in any unit of the input.
@@ -78,8 +78,8 @@ inline bool usable_uv(const Vec2<double>& uv) {
 // \param with_uv a point whose uv is not usable is not finite either
 NormalisedPoints normalised(const PointCloud& points, bool with_uv = false);
 
-// Why so many points of this size cannot be fitted; empty where they can. \param fewest one more than the
-// kind would fit exactly
+// Why these points, by their number and size, cannot be fitted; empty where they can. \param fewest one more
+// than the kind would fit exactly
 std::string against_points(const NormalisedPoints& points, std::size_t fewest, std::string_view kind);
 
 // Whether all of them lie on a line. They are not all one point.

@@ -17,7 +17,7 @@ namespace darboux {
 /// asked for.
 struct UvBlock {
   Eigen::VectorXd position;
-  Eigen::MatrixXd by_parameter;  ///< a column a parameter
+  Eigen::MatrixXd by_parameter;  ///< one column per parameter
   Eigen::MatrixXd by_uv;         ///< dpdu, dpdv
 };
 

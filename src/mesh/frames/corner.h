@@ -31,9 +31,9 @@ double corner_max_weight(const std::array<Vec3<double>, 3>& p, int corner);
 double triangle_area(const std::array<Vec3<double>, 3>& p);
 Vec3<double> face_normal(const std::array<Vec3<double>, 3>& p);
 
-// An arbitrary unit direction across n, which is unit: from the coordinate axis farthest from it.
+// An arbitrary unit direction perpendicular to the unit vector n: from the coordinate axis farthest from n.
 Vec3<double> any_perpendicular(const Vec3<double>& n);
-// The frame where no triangle serves: an arbitrary direction across n.
+// The frame where no triangle serves: an arbitrary direction perpendicular to n.
 CornerFrame fallback_frame(const Vec3<double>& n, double sign);
 // The frame a method found, or the fallback where data that vanish leave it none.
 CornerFrame frame_or_fallback(const Vec3<double>& t, const Vec3<double>& b, const Vec3<double>& n,

@@ -1,4 +1,4 @@
-// What each corner adds to the sums, in lanes; compiled once per instruction set, DARBOUX_ISA names this one.
+// What each corner adds to the sums, in lanes; compiled once per instruction set; DARBOUX_ISA names this one.
 // Everything but the table has internal linkage.
 #include "lanes.h"
 

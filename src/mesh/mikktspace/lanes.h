@@ -26,8 +26,8 @@ struct Directions {
   Vector s, t;
   std::array<float, 3> angle;
 };
-// What a corner adds, weighted by the angle: the directions, unit and across the normal there.
-// Each beside the angle, so that they are stored and loaded four numbers at a time.
+// What a corner adds, weighted by the angle: the directions, unit and perpendicular to the normal there. Each
+// beside the angle, so that they are stored and loaded four numbers at a time.
 struct Part {
   Vector s;
   float angle;
