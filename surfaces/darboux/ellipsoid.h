@@ -11,8 +11,8 @@ namespace darboux {
 ///   n = unit(x/a², y/b², z/c²),   t = unit(-a sin 2πu, b cos 2πu, 0)
 /// n points outward. The chart is singular at the poles, where dpdu vanishes; there the frame is the limit
 /// along the curve of the given u: t as above, n = (0, 0, ±1). With three equal axes it is the sphere. Frame
-/// components err by at most 4u, partials by at most 8u of their scale, u the unit roundoff, for all axes, of
-/// unrelated sizes too. [doCarmo2016, sec. 2-2]
+/// components err by at most 4u, partials by at most 8u of their scale, u the unit roundoff, for all axes,
+/// also of very different sizes. [doCarmo2016, sec. 2-2]
 template <class T = double>
 struct Ellipsoid {
   T semi_axis_x{1}, semi_axis_y{T(0.7)}, semi_axis_z{T(0.5)};

@@ -11,7 +11,7 @@ namespace darboux {
 ///   n = unit(2 h v cos 2πu / a, 2 h v sin 2πu / b, -1),   t = unit(-a sin 2πu, b cos 2πu, 0)
 /// n points down and out of the cup. The chart is singular at the tip, where dpdu vanishes; there the frame
 /// is the limit along the curve of the given u: t as above, n = (0, 0, -1). Frame components err by at most
-/// 4u, partials by at most 8u of their scale, u the unit roundoff, for all sizes, unrelated ones too.
+/// 4u, partials by at most 8u of their scale, u the unit roundoff, for all sizes, also very different ones.
 /// [doCarmo2016, sec. 2-2]
 template <class T = double>
 struct EllipticParaboloid {

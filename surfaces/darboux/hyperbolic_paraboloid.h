@@ -10,7 +10,7 @@ namespace darboux {
 /// u runs along x from -a to a, v along y from -b to b. The saddle rises along x and falls along y.
 ///   n = unit(-2 h s / a, 2 h t / b, 1)
 /// points up. Regular everywhere; not orthogonal. Frame components err by at most 4u, partials by at most 8u
-/// of their scale, u the unit roundoff, for all sizes, unrelated ones too. [doCarmo2016, sec. 2-2]
+/// of their scale, u the unit roundoff, for all sizes, also very different ones. [doCarmo2016, sec. 2-2]
 template <class T = double>
 struct HyperbolicParaboloid {
   T semi_axis_x{1}, semi_axis_y{1}, height{1};

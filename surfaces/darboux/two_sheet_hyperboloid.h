@@ -12,9 +12,9 @@ namespace darboux {
 ///   n = unit((c/a) tanh w cos 2πu, (c/b) tanh w sin 2πu, -1),   t = unit(-a sin 2πu, b cos 2πu, 0)
 /// n points down and out of the cup. The chart is singular at the tip, where dpdu vanishes; there the frame
 /// is the limit along the curve of the given u: t as above, n = (0, 0, -1). Frame components err by at most
-/// 4u for all axes, of unrelated sizes too, and any extent; partials by at most 8u (1 + extent) of their
-/// scale, u the unit roundoff. Position and partials take sinh and cosh of elementary.h.
-/// [doCarmo2016, sec. 2-2]
+/// 4u for all axes, also of very different sizes, and any extent; partials by at most 8u (1 + extent) of
+/// their scale, u the unit roundoff. Position and partials take sinh and cosh of elementary.h. [doCarmo2016,
+/// sec. 2-2]
 template <class T = double>
 struct TwoSheetHyperboloid {
   T semi_axis_x{1}, semi_axis_y{1}, semi_axis_z{1}, extent{1};

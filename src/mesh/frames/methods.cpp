@@ -12,10 +12,9 @@ namespace {
 constexpr FrameMethod methods[] = {
     {.name = "mikktspace",
      .summary = "what Blender, Substance, Unity, Unreal and glTF expect: triangles that share a smooth patch "
-                "of texture are "
-                "averaged by their angles; use it when a normal map was baked elsewhere",
-     .formula =
-         "t = unit(sum angle s'), s' = unit(dpdu) of a triangle made square to the normal; b = sign n x t",
+                "of texture are averaged by their angles; use it when a normal map was baked elsewhere",
+     .formula = "t = unit(sum angle s'), s' = unit(dpdu) of a triangle, made perpendicular to the normal; b "
+                "= sign n x t",
      .compute = compute_mikktspace,
      .single_precision = true,
      .at_poles = {.tangent = {2, 1}, .bitangent = {2, 1}},
@@ -25,8 +24,8 @@ constexpr FrameMethod methods[] = {
      .summary = "MikkTSpace with the second direction that it computes itself in place of the one built from "
                 "normal and "
                 "tangent; few engines use it",
-     .formula =
-         "t as mikktspace, b = unit(sum angle t'), t' = unit(dpdv) of a triangle made square to the normal",
+     .formula = "t as mikktspace, b = unit(sum angle t'), t' = unit(dpdv) of a triangle, made perpendicular "
+                "to the normal",
      .compute = compute_mikktspace_bitangent,
      .single_precision = true,
      .at_poles = {.tangent = {2, 1}, .bitangent = {1, 0.5}},
@@ -47,37 +46,35 @@ constexpr FrameMethod methods[] = {
      .source = "Lengyel2001",
      .cost = "linear, about 0.4 µs per triangle"},
     {.name = "average",
-     .summary = "triangle tangents added up at each vertex, stretched ones count more, then made square to "
-                "the normal "
-                "(three.js, PlayCanvas and many textbooks)",
+     .summary = "triangle tangents added up at each vertex, so that stretched ones count more, then made "
+                "perpendicular to the normal (three.js, PlayCanvas and many textbooks)",
      .formula = "t = GramSchmidt(sum T), b = GramSchmidt(sum B)",
      .compute = compute_average,
      .source = "Lengyel2001",
      .cost = "linear, about 0.3 µs per triangle"},
     {.name = "unit",
-     .summary = "triangle directions averaged at each vertex, every triangle counts the same",
+     .summary = "triangle directions averaged at each vertex; every triangle counts the same",
      .formula = "t = GramSchmidt(sum T/|T|), b likewise",
      .compute = compute_unit,
      .source = "Max1999",
      .cost = "linear, about 0.4 µs per triangle"},
     {.name = "area",
-     .summary = "triangle directions averaged at each vertex, large triangles count more; the safe choice on "
+     .summary = "triangle directions averaged at each vertex; large triangles count more: the safe choice on "
                 "thin triangles",
      .formula = "t = GramSchmidt(sum area T/|T|), b likewise",
      .compute = compute_area,
      .source = "Max1999",
      .cost = "linear, about 0.4 µs per triangle"},
     {.name = "angle",
-     .summary = "triangle directions averaged at each vertex, by the angle the triangle has there",
+     .summary = "triangle directions averaged at each vertex, weighted by the angle the triangle has there",
      .formula = "t = GramSchmidt(sum angle T/|T|), b likewise",
      .compute = compute_angle,
      .at_poles = {.tangent = {2, 1}, .bitangent = {2, 1}},
      .source = "Max1999",
      .cost = "linear, about 0.6 µs per triangle"},
     {.name = "max",
-     .summary = "triangle directions averaged at each vertex, those with short edges and a square corner "
-                "there count more, "
-                "as Max weights normals; poor on thin triangles",
+     .summary = "triangle directions averaged at each vertex; those with short edges and a right angle there "
+                "count more, as Max weights normals; poor on thin triangles",
      .formula = "t = GramSchmidt(sum sin(angle)/(|e1||e2|) T/|T|), b likewise",
      .compute = compute_max,
      .at_poles = {.tangent = {2, 0}, .bitangent = {2, 0}},
@@ -96,8 +93,8 @@ constexpr FrameMethod methods[] = {
      .cost = "linear, about 2 µs per triangle"},
     {.name = "fragment-solve",
      .summary = "what a shader gets from the triangle's own directions beside the smooth normal "
-                "(tinyrenderer); not square to "
-                "that normal",
+                "(tinyrenderer); not "
+                "perpendicular to that normal",
      .formula = "T = E U^-1, t = T/|T|, b = B/|B|, n interpolated",
      .compute = compute_fragment_solve,
      .direction = {1, 1},
