@@ -27,7 +27,8 @@ struct FitArguments {
   std::uint64_t seed = PointFitOptions{}.seed;
 };
 
-// What --surface takes. Which kinds are fitted without uvs the library says, asked with no points.
+// The kinds that --surface takes. Without uvs: those that fit_points() does not refuse when it is called
+// without points.
 std::vector<std::string> kinds_to_fit(bool with_uv) {
   std::vector<std::string> kinds{"auto"};
   if (with_uv) kinds.insert(kinds.end(), fitted_kinds().begin(), fitted_kinds().end());
@@ -67,8 +68,8 @@ PointFitOptions parse_options(const FitArguments& arguments) {
   return options;
 }
 
-// Which points of the file lie on the surface, and how many do not: where the file is a mesh, every vertex
-// counts, that at the place of another as that one does.
+// Which points of the file lie on the surface, and how many do not. In a mesh every vertex counts, and
+// vertices at one place count alike.
 struct Membership {
   std::vector<bool> is_inlier;
   std::size_t inliers = 0, outliers = 0, not_finite = 0, unused = 0;

@@ -16,7 +16,8 @@ namespace darboux {
 namespace {
 
 // A standard stream that is closed would give its number, and what is printed, to the next file that is
-// opened. Here it gets what can be neither read nor written, so that whoever uses it is told.
+// opened. Here the stream gets a descriptor that can be neither read nor written, so that using it is an
+// error.
 void open_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)

@@ -273,7 +273,7 @@ void print_text(const SceneReport& r) {
             << '\n';
 }
 
-// Names of files to write, each another and none that of the scene.
+// Checks that the output files differ from each other and from the scene, and have known extensions.
 void check_outputs(const SceneArguments& arguments, const Common& common) {
   if (!arguments.output.empty()) check_glb_name(arguments.output);
   std::set<std::string> seen;

@@ -25,8 +25,8 @@ Json result_json(const AssessedFile& file, const FindingKind& kind, const std::s
   return sarif_result(file.path, kind.code, kind.severity, kind.severity, message, "");
 }
 
-// Without what XML 1.0 does not have, whatever a file put into it: control characters are escaped, U+FFFE and
-// U+FFFF U+FFFD.
+// Text that XML 1.0 can hold, whatever a file put into it: control characters are escaped; U+FFFE and U+FFFF
+// become U+FFFD.
 std::string xml_text(const std::string& text) {
   std::string result = one_line(text);
   for (const char* none : {"\xEF\xBF\xBE", "\xEF\xBF\xBF"})

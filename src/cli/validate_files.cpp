@@ -217,7 +217,7 @@ std::vector<AssessedFile> files_of(const std::vector<std::string>& arguments,
 
 namespace {
 
-// An order of primitives: what decides over their assessments, by its bits.
+// Orders primitives by the bits of everything that their assessments depend on.
 struct ByContent {
   const std::vector<Primitive>& primitives;
 
@@ -257,8 +257,8 @@ std::vector<std::size_t> first_of(const std::vector<Primitive>& primitives) {
   return result;
 }
 
-// \param begun when the file was, whose primitives share the budget
-// \param history what its primitives before were no surface of
+// \param begun when the file was begun; its primitives share the budget
+// \param history parts of its earlier primitives in which no surface was found
 std::vector<Assessment> assess_primitive(const Primitive& primitive, const AssessOptions& options,
                                          std::chrono::steady_clock::time_point begun,
                                          SearchHistory& history) {

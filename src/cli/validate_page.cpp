@@ -448,7 +448,7 @@ std::string entry(const Entry& e, bool one_file, bool open) {
 
 // ---- the page
 
-// Verdicts and codes to choose from, and what to sort by; of the script, which shows it.
+// Verdicts and codes to choose from, and what to sort by; the script shows these controls.
 std::string controls(const std::vector<Entry>& entries, std::size_t unread) {
   std::string html = "<div hidden class=controls>\n";
   for (const Verdict v : {Verdict::fail, Verdict::undetermined, Verdict::pass, Verdict::nothing}) {

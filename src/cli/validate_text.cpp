@@ -131,7 +131,7 @@ std::string verdicts_text(const std::array<std::size_t, verdict_names.size()>& v
   return joined(texts);
 }
 
-// What of a code there is with one severity.
+// How often a code was found with one severity.
 struct CodeTotal {
   const Finding* first;  // which was found
   std::size_t count = 0, places = 0, files = 0, known = 0;
@@ -313,8 +313,8 @@ void print_to_do(const std::vector<AssessedFile>& files) {
     }
 }
 
-// The end of a report of several files, that reads alone: what was found and what to do, which files failed
-// or cannot be read, of the others how many.
+// The end of a report on several files, which can be read by itself: what was found and what to do, which
+// files failed or cannot be read, and how many others there are.
 void print_closing(const std::vector<AssessedFile>& files, std::size_t unreadable, bool with_baseline) {
   std::array<std::size_t, verdict_names.size()> verdicts{};
   for (const AssessedFile& file : files)

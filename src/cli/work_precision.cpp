@@ -139,7 +139,7 @@ void run_compare(const WorkArguments& arguments, Common& common) {
   for (const std::string& note : notes) std::printf("note: %s\n", one_line(note).c_str());
 }
 
-// --compare measures nothing: what says how to measure, or where to write, is not beside it.
+// --compare measures nothing: it refuses options that say how to measure or where to write.
 void check_compare(const CLI::App& sub) {
   // Not by get_option(), which allocates where it must not throw.
   const std::vector<const CLI::Option*> options = sub.get_options();

@@ -243,7 +243,7 @@ std::vector<std::string_view> corners_of(std::string_view line) {
   return corners;
 }
 
-/// Whether an OBJ has faces without normals, so that a normal of zeros is none: it stores no such one.
+/// Whether an OBJ has faces without normals and stores no normal of zeros, so that one of zeros means none.
 bool has_bare_corners(std::string_view text) {
   const auto is_index = [](std::string_view corner) {
     return corner[0] == '-' || (corner[0] >= '0' && corner[0] <= '9');
@@ -302,7 +302,7 @@ std::string without_missing(const std::string& text) {
   return result;
 }
 
-/// assimp passes over numbers that begin with a point, and so over vertices: with a zero before it.
+/// Puts a zero before numbers that begin with a point: assimp passes over them, and so over vertices.
 std::string with_leading_zeros(const std::string& text) {
   std::string result;
   bool in_vertex = false;

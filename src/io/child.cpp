@@ -26,7 +26,8 @@ namespace {
 
 constexpr int out_of_memory = 3, not_confined = 4;  // exit status
 
-// A child may share its processor with another; what waits for nothing needs no more.
+// A child may share its processor with another process; a child that does not wait needs no more time than
+// this.
 std::chrono::seconds patience(const ChildLimits& limits) {
   return std::chrono::seconds(10) + std::chrono::seconds(2) * limits.seconds;
 }

@@ -40,7 +40,7 @@ std::optional<int> descriptor_named(const std::string& path) {
   return std::nullopt;
 }
 
-// Where symbolic links lead, be there a file or not; no further than to a descriptor's name.
+// Where symbolic links lead, whether or not there is a file; no further than to a descriptor's name.
 std::string followed(std::string path) {
   std::error_code error;
   for (int links = 0; links < 40 && !descriptor_named(path); ++links) {

@@ -51,7 +51,7 @@ Truth truth_of(const UvJet& jet, double winding) {
           .tangent_deg = deviation_deg(jet.tangent_error)};
 }
 
-// Of a plane that stands for uvs the tangents are nobody's.
+// The normal alone: where a plane's coordinates stand in for uvs, tangents mean nothing.
 Truth normal_of(const UvJet& jet) {
   Truth truth = no_truth();
   truth.position = jet.jet.position;
@@ -67,9 +67,9 @@ struct PlaneAxes {
   Vec2<double> operator()(const Vec3<double>& p) const { return {dot(p, x), dot(p, y)}; }
 };
 
-// Neighbours whose triangles lean by more from those about the node are no graph over its plane.
+// If a neighbour's triangles lean by more from those about the node, the surface is no graph over its plane.
 constexpr double least_cosine = 0.3;
-// Nor is a polynomial that leans so from the triangles at its own node one of a surface that they resolve.
+// If the polynomial leans by more from the triangles at its own node, they do not resolve the surface.
 constexpr double least_own_cosine = 0.8;
 
 // Whether dpdu or dpdv vanishes here or nearly so, that is, changes by more than twice its own length on the

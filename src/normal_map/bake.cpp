@@ -68,7 +68,7 @@ bool signed_floats(const BakeOptions& options) {
   return options.signed_floats || options.type != SampleType::f32;
 }
 
-// The surface's normals in the mesh's space, a texel each: from -1 to 1, or, where floats are to be written
+// The surface's normals in the mesh's space, one per texel: from -1 to 1, or, where floats are to be written
 // so, from 0 to 1.
 Image normals_of(const PlacedSurface& surface, bool v_up, const BakeOptions& options) {
   Image image(options.width, options.height, 3, SampleType::f32);

@@ -34,8 +34,8 @@ TileLevels fewest_cells(double width_u, double width_v, const TileLevels& most, 
 }
 
 // Rates of frames that a placement M stretches, of a given condition κ. Of f = M x / |M x|, with L and F
-// the rates of x of first and second order, |f'| <= κ L, and across f |f''| <= κ F + 2 κ² L². What is
-// square to two such vectors adds theirs.
+// the rates of x of first and second order, |f'| <= κ L, and across f |f''| <= κ F + 2 κ² L². The rates
+// of a vector perpendicular to two such vectors are at most the sums of theirs.
 TileRates stretched(const TileRates& r, double condition) {
   const double k = condition, k2 = condition * condition;
   TileRates result = r;

@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t parameters_quantity = 8, frames_quantity = 9;
 constexpr double most_standard_errors = 6;
 
-// The same numbers with every standard library, which its distributions do not promise.
+// Gives the same numbers with every standard library, which std's distributions do not promise.
 class Numbers {
  public:
   explicit Numbers(std::uint64_t seed) : bits_(seed) {}

@@ -254,7 +254,7 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
   return samples;
 }
 
-// Normals that are known from their neighbours to two fifths of the limit.
+// Normals whose estimates from the neighbours have three standard deviations within two fifths of the limit.
 constexpr double known_to = 0.4;
 std::vector<Pair> normals_of_neighbours(const MeshUnderTest& under_test, double limit) {
   const Mesh& mesh = under_test.mesh;

@@ -1,4 +1,4 @@
-// Times in rounds, errors against the truth.
+// Measures times in rounds, and errors against the truth.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -27,7 +27,7 @@ struct Item {
   std::string failure{};
 };
 
-// A step that all methods need: why it failed, rounds::guarded() says.
+// A step that all methods need; rounds::guarded() says why it failed.
 struct Attempt {
   std::string failure{};
 };

@@ -11,7 +11,8 @@ namespace darboux::fit {
 namespace {
 
 constexpr std::size_t looked_at = 512;  // points
-// Of those: so many are a neighbourhood; the clump's has this much of the radius that the sparser third has.
+// A neighbourhood is this share of those points; the clump's has at most this much of the radius that a third
+// of the points exceed.
 constexpr double neighbourhood = 0.08, denser = 0.4;
 constexpr double least_share = 0.1, most_share = 2.0 / 3;
 constexpr double furthest = 3.5;      // standard deviations

@@ -328,8 +328,8 @@ std::string described(const Trial& trial) {
          std::string(trial.model.whole_convention(trial.state).name);
 }
 
-// Whether the inliers' residuals are alike between neighbours. Those that roundings leave, which rows of a
-// grid share, are not asked.
+// Whether the inliers' residuals are alike between neighbours. Residuals that roundings leave, which rows of
+// a grid share, are not tested.
 bool residuals_are_alike(const Trial& trial, const Data& data, const std::vector<bool>& is_inlier) {
   if (trial.mixture.sigma <= data.all.stored_rounding() ||
       noise_and_rounding(trial, data) > 1.1 * trial.mixture.sigma)

@@ -81,8 +81,8 @@ bool solve(Linear& linear, int rounds) {
   return linear.solution.allFinite();
 }
 
-// The rms distance that least squares would leave, without a solution: what of the targets is across all
-// columns of the design. Infinite where solve() says false. The problem is used up.
+// The rms distance that least squares would leave, without a solution: the part of the targets that is
+// orthogonal to all columns of the design. Infinite where solve() says false. The problem is used up.
 double residual(Linear& linear) {
   Eigen::MatrixXd& a = linear.design;
   const double least = 1e-6 * std::sqrt(a.colwise().squaredNorm().maxCoeff());
