@@ -249,6 +249,57 @@ class PrimitivesFit {
   PointFit fit_;
 };
 
+// The fit of the points that are not left out, and the unit of lengths in which it was made.
+struct FitOfOthers {
+  PointFit fit;
+  double scale;
+};
+FitOfOthers fit_of_others(const PointCloud& points, const std::vector<bool>& left_out,
+                          const PointFitOptions& options, const Primitive* only) {
+  PointCloud others;
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < left_out.size(); ++i) {
+    if (left_out[i]) continue;
+    index.push_back(i);
+    others.positions.push_back(points.positions[i]);
+    if (!points.normals.empty()) others.normals.push_back(points.normals[i]);
+  }
+  NormalisedPoints normal = normalised(others);
+  const double scale = normal.scale;
+  PointFit fit = PrimitivesFit(others, std::move(normal), options, only, Effort::full).run();
+  std::vector<bool> is_inlier(left_out.size(), false);
+  for (std::size_t k = 0; k < index.size(); ++k) is_inlier[index[k]] = fit.is_inlier[k];
+  const auto left = static_cast<std::size_t>(std::count(left_out.begin(), left_out.end(), true));
+  fit.is_inlier = std::move(is_inlier);
+  fit.outliers += left;
+  return {std::move(fit), scale};
+}
+
+// Where a kind is asked for and half of the points are the ground's, a surface of that kind that is nearly a
+// plane is likelier than the one meant, and its parameters are not known. Then the points of the plane are
+// left out: docs/theory/fit.md. \param all the fit of all points
+std::optional<PointFit> fit_beside_plane(const PointCloud& points, const NormalisedPoints& normal,
+                                         const PointFitOptions& options, const Primitive* only,
+                                         const PointFit& all) {
+  constexpr double nearly_all = 0.9, enough = 0.5;
+  const Primitive* plane_primitive = primitive_named("plane");
+  if (all.usable || !only || only == plane_primitive || options.guess) return std::nullopt;
+  PointFitOptions quiet = options;
+  quiet.progress = nullptr;
+  const PointFit plane = PrimitivesFit(points, normal, quiet, plane_primitive, Effort::full).run();
+  if (!plane.usable) return std::nullopt;
+  std::size_t common = 0;
+  for (std::size_t i = 0; i < plane.is_inlier.size(); ++i) common += plane.is_inlier[i] && all.is_inlier[i];
+  if (static_cast<double>(common) < nearly_all * static_cast<double>(all.inliers)) return std::nullopt;
+  PointFit beside = fit_of_others(points, plane.is_inlier, quiet, only).fit;
+  if (!beside.usable ||
+      static_cast<double>(beside.inliers) < enough * static_cast<double>(normal.finite - plane.inliers))
+    return std::nullopt;
+  beside.iterations += all.iterations + plane.iterations;
+  beside.reason += "; a plane of " + std::to_string(plane.inliers) + " points beside it is left out";
+  return beside;
+}
+
 // The fit of all points, or of those beside a clump that is not of their surface: docs/theory/fit.md.
 class ClumpedFit {
  public:
@@ -263,26 +314,11 @@ class ClumpedFit {
   PointFit run() const {
     std::vector<bool> in_clump(points_.positions.size(), false);
     normal_.spread(clump_, in_clump);
-    PointCloud others;
-    std::vector<std::size_t> index;
-    for (std::size_t i = 0; i < in_clump.size(); ++i) {
-      if (in_clump[i]) continue;
-      index.push_back(i);
-      others.positions.push_back(points_.positions[i]);
-      if (!points_.normals.empty()) others.normals.push_back(points_.normals[i]);
-    }
-    NormalisedPoints normal_others = normalised(others);
-    const double scale = normal_others.scale;
-    PointFit beside = of(others, std::move(normal_others), 0);
-    std::vector<bool> is_inlier(points_.positions.size(), false);
-    for (std::size_t k = 0; k < index.size(); ++k) is_inlier[index[k]] = beside.is_inlier[k];
-    beside.is_inlier = std::move(is_inlier);
-    beside.ignored = points_.positions.size() - normal_.finite;
-    beside.outliers = normal_.finite - beside.inliers;
+    auto [beside, scale] = fit_of_others(points_, in_clump, options_of_half(0), only_);
     const std::string clump =
         "a clump of " + std::to_string(std::count(in_clump.begin(), in_clump.end(), true)) + " points";
     if (beside.usable && is_clutter(beside, scale)) return left_out(std::move(beside), clump);
-    PointFit all = of(points_, normal_, 0.5);
+    PointFit all = PrimitivesFit(points_, normal_, options_of_half(0.5), only_, Effort::full).run();
     const int iterations = beside.iterations + all.iterations;
     PointFit fit = chosen(std::move(beside), std::move(all), scale, clump);
     fit.iterations = iterations;
@@ -369,11 +405,11 @@ class ClumpedFit {
     return beside;
   }
 
-  PointFit of(const PointCloud& cloud, NormalisedPoints normal, double begin) const {
+  PointFitOptions options_of_half(double begin) const {
     PointFitOptions options = options_;
     if (options_.progress)
       options.progress = [this, begin](double share) { options_.progress(begin + 0.5 * share); };
-    return PrimitivesFit(cloud, std::move(normal), options, only_, Effort::full).run();
+    return options;
   }
 
   // No more of a clump is within the noise of a surface that it is not on.
@@ -396,8 +432,10 @@ PointFit fit_primitives(const PointCloud& points, const PointFitOptions& options
   std::vector<bool> clump;
   if (effort == Effort::full && normal.scale > 1e-152 && normal.scale < 1e152)
     clump = dense_clump(normal.cloud);
-  PointFit fit = clump.empty() ? PrimitivesFit(points, std::move(normal), options, only, effort).run()
-                               : ClumpedFit(points, std::move(normal), std::move(clump), options, only).run();
+  PointFit fit = clump.empty() ? PrimitivesFit(points, normal, options, only, effort).run()
+                               : ClumpedFit(points, normal, std::move(clump), options, only).run();
+  if (effort == Effort::full)
+    if (auto beside = fit_beside_plane(points, normal, options, only, fit)) fit = *std::move(beside);
   fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   if (options.progress) options.progress(1);
   return fit;
