@@ -45,6 +45,24 @@ int fewest_bits(const std::vector<double>& numbers, int most_bits, double error,
   return 0;
 }
 
+// Whether all numbers are half floats: of 11 significant bits, or of fewer below 2^-14. A number of 24 bits
+// is with a probability of 2^-13.
+bool are_half_floats(const std::vector<double>& numbers, double least_surprise) {
+  if (13 * static_cast<double>(numbers.size()) < least_surprise) return false;
+  return std::all_of(numbers.begin(), numbers.end(), [](double x) {
+    const double last = std::ldexp(1.0, std::max(std::ilogb(x), -14) - 10);
+    return std::fmod(x, last) == 0;
+  });
+}
+
+// Whether all numbers are odd multiples of 1 / (2^bits - 1): of integers without a sign, of which the middle
+// is 0. \pre They are multiples
+bool are_odd(const std::vector<double>& numbers, int bits) {
+  const double steps = std::ldexp(1.0, bits) - 1;
+  return std::all_of(numbers.begin(), numbers.end(),
+                     [&](double x) { return std::fmod(std::round(x * steps), 2) == 1; });
+}
+
 }  // namespace
 
 double half_step(const Accessor& accessor) {
@@ -61,12 +79,16 @@ double half_step(const Accessor& accessor) {
 
 double half_step_of_directions(const Accessor& accessor) {
   int bits = 0;
+  double of_half_floats = 0;
   with_component(accessor.component_type, [&](auto zero) {
     using T = decltype(zero);
     if constexpr (std::is_floating_point_v<T>) {
       // 0.6 and 0.8 are multiples of 1 / 255.
       constexpr double error = 0x1.01p-24, least_surprise = 50;
-      bits = fewest_bits(magnitudes<T>(accessor, 1, error), most_bits_of_floats, error, least_surprise);
+      const std::vector<double> numbers = magnitudes<T>(accessor, 1, error);
+      bits = fewest_bits(numbers, most_bits_of_floats, error, least_surprise);
+      if (bits > bits_of_a_byte && are_odd(numbers, bits)) --bits;
+      if (bits == 0 && are_half_floats(numbers, least_surprise)) of_half_floats = 0x1p-12;
     } else if (accessor.normalized && sizeof(T) < 4) {
       // Tools round to the nearest integer, or repeat the bits below themselves, which is less than one off.
       // A box has one magnitude to tell by. Taken for a step by chance, it allows a wrong length of 1 %.
@@ -75,6 +97,7 @@ double half_step_of_directions(const Accessor& accessor) {
                          least_surprise);
     }
   });
+  if (of_half_floats > 0) return of_half_floats;
   return bits > 0 ? 0.5 / (std::ldexp(1.0, bits) - 1) : half_step(accessor);
 }
 

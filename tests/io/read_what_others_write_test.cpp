@@ -1,6 +1,7 @@
 // Files that are not quite as the standard has them, or use what has no part in triangles: they are read.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -173,6 +174,32 @@ TEST(ReadWhatOthersWrite, StepsOfDirectionsAlone) {
   EXPECT_EQ(steps.uv, 0.5 / 65535);
   EXPECT_EQ(steps.position, 0.5 / 65535);
   EXPECT_EQ(steps.normal, 0.5 / 127);
+}
+
+// Half floats, and bytes without a sign that 2 x / 255 - 1 spread, are floats in glTF: their lengths are off by
+// up to 0.001 and 0.007.
+TEST(ReadWhatOthersWrite, StepsOfFloatsOfLowerPrecision) {
+  constexpr int vertices = 40;
+  const std::vector<std::int16_t> fine = quantised(16, vertices);
+  const auto step = [&](const std::function<double(double)>& rounded) {
+    std::vector<float> normals;
+    for (const std::int16_t x : fine) normals.push_back(static_cast<float>(rounded(x / 32767.0)));
+    Builder b = quad();
+    const auto n = b.packed<float>("VEC3", 5126, vertices, normals);
+    const auto positions =
+        b.packed<float>("VEC3", 5126, vertices, std::vector<float>(static_cast<std::size_t>(3 * vertices), 0));
+    b.primitive({{"POSITION", positions}, {"NORMAL", n}});
+    return read(b.glb()).primitives.at(1).data.half_steps.normal;
+  };
+  const auto significant = [](double x, int bits) {
+    const double unit = x == 0 ? 1 : std::ldexp(1.0, std::ilogb(x) + 1 - bits);
+    return std::round(x / unit) * unit;
+  };
+  EXPECT_EQ(step([&](double x) { return significant(x, 11); }), 0x1p-12);
+  EXPECT_EQ(step([&](double x) { return significant(x, 12); }), 0);
+  EXPECT_EQ(step([](double x) { return std::round((x + 1) / 2 * 255) / 255 * 2 - 1; }), 0.5 / 127);
+  EXPECT_EQ(step([](double x) { return std::round(x * 255) / 255; }), 0.5 / 255);
+  EXPECT_EQ(step([](double x) { return x; }), 0);
 }
 
 // Few decimals of unit vectors are steps too: 3 × 0.577² = 0.9988 is no wrong length.
