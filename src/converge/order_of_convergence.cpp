@@ -2,11 +2,12 @@
 #include <functional>
 #include <limits>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include <darboux/error.h>
 #include <darboux/order_of_convergence.h>
 
+#include "base/linear_algebra.h"
 #include "base/student_t.h"
 #include "base/text.h"
 
@@ -73,7 +74,7 @@ Coefficient fit(std::span<const Point> points, Eigen::Index k, const Term& term 
     if (term) design(i, 2) = term(p);
     y(i) = p.log_error;
   }
-  const Eigen::MatrixXd inverse = design.completeOrthogonalDecomposition().pseudoInverse();
+  const Eigen::MatrixXd inverse = solve_least_norm(design, Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
   const Eigen::VectorXd c = inverse * y;
   if (points.front().freedom == 0) {
     const auto freedom = static_cast<double>(n - design.cols());

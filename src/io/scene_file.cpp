@@ -11,11 +11,10 @@
 #include <unordered_map>
 #include <utility>
 
-#include <Eigen/SVD>
-
 #include <darboux/elementary.h>
 #include <darboux/error.h>
 
+#include "base/linear_algebra.h"
 #include "base/text.h"
 #include "files.h"
 #include "gltf_file.h"
@@ -242,7 +241,7 @@ class SceneReader {
       if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
         matrix.fail("a matrix by columns, whose last row is 0 0 0 1", "another row");
       placement.matrix() = Eigen::Map<const Eigen::Matrix4d>(m.data());
-      const Eigen::Vector3d s = Eigen::JacobiSVD<Eigen::Matrix3d>(placement.linear()).singularValues();
+      const Eigen::Vector3d s = singular_value_decomposition(placement.linear()).values;
       if (!(s[2] * most_condition > s[0])) matrix.fail("an invertible matrix", "a singular one");
       return placement;
     }

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <string>
 
-#include <Eigen/SVD>
-
 #include <darboux/error.h>
+
+#include "base/linear_algebra.h"
 
 namespace darboux {
 namespace {
@@ -34,14 +34,14 @@ Inverse inverse_of(const Eigen::Matrix3d& m, std::uint32_t instance, Placed& pla
     placed.condition = 1;
     return {m.transpose() * (1 / scale), 0x1p-44 + 0x1p-48};
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d s = svd.singularValues();
+  const SingularValues svd = singular_value_decomposition(m);
+  const Eigen::Vector3d& s = svd.values;
   if (!(s[2] > 1e-12 * s[0])) throw wrong_placement(instance, "a singular one");
   placed.smallest = s[2] * (1 - 1e-13);
   placed.largest = s[0] * (1 + 1e-13);
   placed.condition = placed.largest / placed.smallest;
   // Cofactors lose the square of the condition.
-  return {svd.matrixV() * s.cwiseInverse().asDiagonal() * svd.matrixU().transpose(), 0x1p-48};
+  return {svd.v * s.cwiseInverse().asDiagonal() * svd.u.transpose(), 0x1p-48};
 }
 
 }  // namespace

@@ -7,9 +7,9 @@
 #include <limits>
 
 #include <Eigen/QR>
-#include <Eigen/SVD>
 
 #include "base/hash_table.h"
+#include "base/linear_algebra.h"
 #include "base/parallel.h"
 #include "corner.h"
 #include "creases.h"
@@ -259,10 +259,11 @@ MeshFrames compute_procrustes(const Mesh& mesh, int threads) {
     const Neighbourhood near(rings, walk);
     const double uv_unit = std::max(near.u_unit, near.v_unit);
     if (uv_unit == 0 || near.p_unit == 0) return std::nullopt;
-    const Eigen::Matrix<double, 3, 2> a = (near.p / near.p_unit).transpose() * (near.uv / uv_unit);
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(a, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    if (!(svd.singularValues()(1) > parallel_below * svd.singularValues()(0))) return std::nullopt;
-    const Eigen::Matrix<double, 3, 2> r = svd.matrixU() * svd.matrixV().transpose();
+    Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
+    a.leftCols<2>() = (near.p / near.p_unit).transpose() * (near.uv / uv_unit);
+    const SingularValues svd = singular_value_decomposition(a);
+    if (!(svd.values(1) > parallel_below * svd.values(0))) return std::nullopt;
+    const Eigen::Matrix<double, 3, 2> r = svd.u.leftCols<2>() * svd.v.topLeftCorner<2, 2>().transpose();
     return TangentPair{{r(0, 0), r(1, 0), r(2, 0)}, {r(0, 1), r(1, 1), r(2, 1)}};
   });
 }
