@@ -176,8 +176,8 @@ TEST(ReadWhatOthersWrite, StepsOfDirectionsAlone) {
   EXPECT_EQ(steps.normal, 0.5 / 127);
 }
 
-// Half floats, and bytes without a sign that 2 x / 255 - 1 spread, are floats in glTF: their lengths are off by
-// up to 0.001 and 0.007.
+// Half floats, and bytes without a sign that 2 x / 255 - 1 spread, are floats in glTF: their lengths are off
+// by up to 0.001 and 0.007.
 TEST(ReadWhatOthersWrite, StepsOfFloatsOfLowerPrecision) {
   constexpr int vertices = 40;
   const std::vector<std::int16_t> fine = quantised(16, vertices);
@@ -186,8 +186,8 @@ TEST(ReadWhatOthersWrite, StepsOfFloatsOfLowerPrecision) {
     for (const std::int16_t x : fine) normals.push_back(static_cast<float>(rounded(x / 32767.0)));
     Builder b = quad();
     const auto n = b.packed<float>("VEC3", 5126, vertices, normals);
-    const auto positions =
-        b.packed<float>("VEC3", 5126, vertices, std::vector<float>(static_cast<std::size_t>(3 * vertices), 0));
+    const auto positions = b.packed<float>("VEC3", 5126, vertices,
+                                           std::vector<float>(static_cast<std::size_t>(3 * vertices), 0));
     b.primitive({{"POSITION", positions}, {"NORMAL", n}});
     return read(b.glb()).primitives.at(1).data.half_steps.normal;
   };
