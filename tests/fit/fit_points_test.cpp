@@ -14,6 +14,7 @@
 #include <darboux/error.h>
 #include <darboux/fit_points.h>
 
+#include "base/linear_algebra.h"
 #include "refusal_of.h"
 #include "synthetic_points.h"
 #include "thinning.h"
@@ -224,10 +225,10 @@ TEST_P(FoundKind, CovarianceIsThatOfTheErrors) {
       rows.row(k) = movement(fit, f);
       error[k] = dot(foot - f.position, f.n);
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(rows * fit.covariance * rows.transpose());
+    const auto eigen = symmetric_eigen(Eigen::MatrixXd(rows * fit.covariance * rows.transpose()));
     for (Eigen::Index k = feet - freedom; k < feet; ++k) {
-      const double along = eigen.eigenvectors().col(k).dot(error);
-      sum += along * along / eigen.eigenvalues()[k];
+      const double along = eigen.vectors.col(k).dot(error);
+      sum += along * along / eigen.values[k];
     }
   }
   // Four standard deviations of the mean of 60 chi squared, and 5 % as a quarter of the points of an

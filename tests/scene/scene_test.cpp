@@ -15,6 +15,7 @@
 #include <darboux/frame.h>
 #include <darboux/scene.h>
 
+#include "base/linear_algebra.h"
 #include "every_surface.h"
 #include "random_scene.h"
 #include "refusal_of.h"
@@ -441,11 +442,9 @@ TEST(Scene, NeedlesAreCulledRightly) {
       request.attributes = Attribute::position;
       const ScenePlan plan = plan_scene(scene, camera, request);
       // The exact side, from the normal and the eye in the surface's own space.
-      const Eigen::JacobiSVD<Eigen::Matrix3d> svd(instance.placement.linear(),
-                                                  Eigen::ComputeFullU | Eigen::ComputeFullV);
+      const SingularValues svd = singular_value_decomposition(instance.placement.linear());
       const Eigen::Vector3d eye =
-          svd.matrixV() *
-          (svd.matrixU().transpose() * camera.pose.translation()).cwiseQuotient(svd.singularValues());
+          svd.v * (svd.u.transpose() * camera.pose.translation()).cwiseQuotient(svd.values);
       for (int k = 0; k < 100; ++k) {
         const double u = random.uniform(), v = random.uniform();
         const Sample<double> s = scene.surfaces[instance.surface].sample(u, v);

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include <darboux/any_surface.h>
 #include <darboux/assess.h>
@@ -21,6 +21,7 @@
 #include <darboux/sample_mesh.h>
 #include <darboux/vertex_normals.h>
 
+#include "base/linear_algebra.h"
 #include "random_pose.h"
 
 namespace darboux::test {
@@ -548,7 +549,7 @@ inline bool is_flat(const Mesh& mesh, const Assessment& assessment) {
     spread += d * d.transpose();
     size = std::fmax(size, d.norm());
   }
-  const Eigen::Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
+  const Eigen::Vector3d normal = symmetric_eigen(spread).vectors.col(0);
   return std::ranges::all_of(points, [&](const Vec3<double>& p) {
     return std::fabs((to_eigen(p) - middle).dot(normal)) <= 1e-3 * size;
   });

@@ -7,6 +7,7 @@
 #include <darboux/error.h>
 #include <darboux/frame.h>
 
+#include "base/linear_algebra.h"
 #include "every_surface.h"
 #include "multiprecision.h"
 
@@ -319,7 +320,7 @@ TEST(FrameTransform, AgreesWithTransformedPartials) {
     f.n = stated * f.n;
     f.b = stated * f.b;
     f.handedness = stated;
-    const Eigen::Vector3d singular = m.jacobiSvd().singularValues();
+    const Eigen::Vector3d singular = singular_value_decomposition(m).values;
     const double condition = singular[0] / singular[2];
     const double angle = norm(cross(dpdu, dpdv));
     if (condition > 1e6 || angle < 1e-3) continue;
