@@ -72,6 +72,18 @@ class CornerTangents {
   mikk::Buffer<float> values_;
 };
 
+// Perpendicular to the stored normal where there is one, as readers of the file expect. Polynomials and some
+// fragment methods have a normal of their own.
+Vec3<double> perpendicular_to_stored(const Mesh& mesh, std::uint32_t v, const Vec3<double>& t) {
+  if (mesh.normals.empty()) return t;
+  const Vec3<double>& n = mesh.normals[v];
+  constexpr double rounding = 1e-6;
+  if (!(std::fabs(dot(t, n)) > rounding * norm(t) * norm(n))) return t;
+  const Vec3<double> s = t - (dot(t, n) / dot(n, n)) * n;
+  constexpr double least = 1e-3;  // along the normal there is no direction
+  return norm(s) > least * norm(t) ? s / norm(s) : t;
+}
+
 // A vertex no corner uses gets a valid direction that nothing reads.
 constexpr Vec4<float> unused{1, 0, 0, 1};
 
@@ -193,7 +205,9 @@ PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p,
   CornerTangents tangents(mesh.corners(), targets.size());
   const float to_stored = options.sign == SignConvention::raw ? 1.0f : -1.0f;
   for (std::size_t c = 0; c < mesh.corners(); ++c)
-    tangents.set_base(c, to_float(frames.corner(c).t), to_stored * static_cast<float>(frames.corner(c).sign));
+    tangents.set_base(
+        c, to_float(perpendicular_to_stored(mesh, mesh.triangles[c / 3][c % 3], frames.corner(c).t)),
+        to_stored * static_cast<float>(frames.corner(c).sign));
   for (std::size_t k = 0; k < targets.size(); ++k) {
     Mesh moved = morphed(p.data, targets[k]);
     transform_uvs(moved, p);
@@ -201,7 +215,9 @@ PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p,
     const MeshFrames moved_frames = mesh_frames(moved, method, options.threads);
     for (std::size_t c = 0; c < mesh.corners(); ++c)
       if (const CornerFrame& frame = moved_frames.corner(c); !frame.fallback)
-        tangents.set_delta(c, k, to_float(frame.t) - tangents.base(c).xyz());
+        tangents.set_delta(c, k,
+                           to_float(perpendicular_to_stored(moved, moved.triangles[c / 3][c % 3], frame.t)) -
+                               tangents.base(c).xyz());
   }
 
   std::span<const std::uint32_t> corners;

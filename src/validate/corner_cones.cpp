@@ -123,9 +123,13 @@ double CornerCones::outside_deg(std::uint32_t v, const Arc& cone) const {
 }
 
 CornerCones::Direction CornerCones::direction(std::uint32_t v, int sign) {
-  const std::optional<Arc> own = cone_of(v, directions_of(v, sign, false));
-  if (!own) return {false, false};
-  if (own->half >= half_turn / 2) return {false, true};
+  const Directions* found = directions_of(v, sign, false);
+  // A triangle without uv area, as far as its uvs are known, may have drawn an average anywhere.
+  const bool uncertain = found && found->uncertain;
+  const std::optional<Arc> own = cone_of(v, found);
+  if (!own) return {uncertain, false};
+  if (own->half >= half_turn / 2) return {uncertain, true};
+  if (uncertain) return {true, false};
   const std::optional<Arc> of_quads = cone_of(v, directions_of(v, sign, true));
   return {outside_deg(v, *own) <= 0 || (of_quads->half < half_turn / 2 && outside_deg(v, *of_quads) <= 0),
           false};
@@ -167,6 +171,7 @@ CornerCones::Directions CornerCones::directions(const Corners& at, std::uint32_t
   uncertain_ = false;
   lean_ = 0;
   x_ = result.x, y_ = result.y, n_ = n;
+  std::optional<Vec3<double>> plane;
   for (auto c = at.first; c != at.last; ++c) {
     const Triangle& triangle = mesh_.triangles[c->triangle];
     if (raw_sign_[c->triangle] == sign) add_spokes(*c, fan_);
@@ -174,6 +179,9 @@ CornerCones::Directions CornerCones::directions(const Corners& at, std::uint32_t
     add(triangle, sign);
     if (raw_sign_[c->triangle] == sign) {
       add_spokes(*c, rim_);
+      const Vec3<double> across = unit(area_vector(mesh_, triangle));
+      if (!plane) plane = across;
+      result.flat = result.flat && angle_between(*plane, across) <= uniform_deg / degrees_per_radian;
       for (const std::uint32_t w : triangle)
         if (const double turn = angle_between(mesh_.normals[w], n); turn > result.normals_turn)
           result.normals_turn = turn;
@@ -200,9 +208,11 @@ bool CornerCones::is_left_open(std::uint32_t v, int sign, const Directions& dire
                                double outside, double limit_deg) {
   if (directions.pole_turn > 0 && outside <= limit_deg + degrees_per_radian * directions.pole_turn)
     return true;
-  if (directions.closed) return false;
   // The frame turns over a triangle about as its normals do.
   const double normals_turn = degrees_per_radian * directions.normals_turn;
+  // Where a facet was cut into pieces, and its frames were interpolated, they turn though it does not.
+  if (directions.flat && outside <= limit_deg + normals_turn) return true;
+  if (directions.closed) return false;
   if (outside <= one_sided * max_angle_deg_ + normals_turn && !directions.is_uniform()) return true;
   return outside <= limit_deg + most_turned_on_deg &&
          outside <= limit_deg + degrees_per_radian * turn_before(v, sign, directions, cone);

@@ -70,6 +70,7 @@ class CornerCones {
     double lean_deg = 0;      // by which another projection may turn one of them, the most
     double pole_turn = 0;     // where an edge of the uvs is collapsed, half of the widest angle of a triangle
     bool closed = false;      // the triangles go all round the vertex, and their charts go on
+    bool flat = true;         // the triangles lie in one plane: pieces of one facet
     bool uncertain = false;   // a triangle tells no direction, and may have drawn the tangent anywhere
     Corners at;               // the corners they are of
 

@@ -32,6 +32,10 @@ struct MeshUnderTest {
   std::vector<bool> between_parts{};  // vertices that no one frame is right for; empty: none
   NormalChecks normals{};
   Cones cones{};  // empty where they are not asked for or the mesh lacks tangents, normals or uvs
+
+  // The sign of the triangles that the tangent of v may follow at its corners in triangles of `sign`: 0,
+  // either, where triangles of both share v. They ask for two tangents, and it is one.
+  int followed_sign(std::uint32_t v, int sign) const { return across_mirror[v] ? 0 : sign; }
 };
 
 // Its joins; those of a part are made here.

@@ -136,7 +136,7 @@ class MeshValidation {
   void for_each_corner_group(F f) const;
 
   bool is_average_tangent(std::uint32_t v, int sign) const {
-    return !tangents_diagnosed_ && averages_.tangent(v, sign);
+    return !tangents_diagnosed_ && averages_.tangent(v, under_test_.followed_sign(v, sign));
   }
   bool is_unsupported(std::uint32_t v) const {
     return !mesh_.normals.empty() && under_test_.normals.unsupported[v];
@@ -230,18 +230,18 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
   if (accurate_.known()) {
     const Claim claim = accurate_.tangent(v);
     if (claim == Claim::within) return Decider::nobody;
-    // Nothing is seen of a vertex whose triangles all vanish.
-    if (!accurate_.declared() && !mesh_.normals.empty() && !under_test_.normals.drawn[v])
-      return Decider::nobody;
-    // At a seam every tool sees triangles on one side only: with few columns its tangents are far from the
-    // surface's.
+    const bool unseen = !mesh_.normals.empty() && !under_test_.normals.drawn[v];  // its triangles vanish
+    if (unseen && !accurate_.declared()) return Decider::nobody;
+    // At a seam every tool sees one side only: with few columns its tangents are far from the surface's.
     const bool authored = may_be_authored(v) && !tangents_diagnosed_ && !under_test_.cones.empty() &&
                           under_test_.cones.claim(v, group.sign) == Claim::within;
     if (claim == Claim::beyond && accurate_.decides(accurate_.tangents_agree(), tangents_diagnosed_))
       return authored || is_average_tangent(v, group.sign) ? Decider::nobody : Decider::surface;
   }
-  const bool outside = !under_test_.cones.empty() && under_test_.cones.claim(v, group.sign) == Claim::beyond;
-  return outside && !may_be_exact(v) ? Decider::triangles : Decider::nobody;
+  const auto beyond = [&](int sign) { return under_test_.cones.claim(v, sign) == Claim::beyond; };
+  if (under_test_.cones.empty() || !beyond(group.sign) || may_be_exact(v)) return Decider::nobody;
+  const int sign = tangents_diagnosed_ ? group.sign : under_test_.followed_sign(v, group.sign);
+  return beyond(sign) ? Decider::triangles : Decider::nobody;
 }
 
 // One mistake of all tangents, or one turn, is not due to coarse triangles.
