@@ -87,7 +87,11 @@ double half_step_of_directions(const Accessor& accessor) {
       constexpr double error = 0x1.01p-24, least_surprise = 50;
       const std::vector<double> numbers = magnitudes<T>(accessor, 1, error);
       bits = fewest_bits(numbers, most_bits_of_floats, error, least_surprise);
-      if (bits > bits_of_a_byte && are_odd(numbers, bits)) --bits;
+      // x * (2 / 255) - 1 rounds three times.
+      constexpr double of_products = 0x1.4p-23;
+      const int spread =
+          bits > 0 ? bits : fewest_bits(numbers, most_bits_of_floats, of_products, least_surprise);
+      if (spread > bits_of_a_byte && are_odd(numbers, spread)) bits = spread - 1;
       if (bits == 0 && are_half_floats(numbers, least_surprise)) of_half_floats = 0x1p-12;
     } else if (accessor.normalized && sizeof(T) < 4) {
       // Tools round to the nearest integer, or repeat the bits below themselves, which is less than one off.

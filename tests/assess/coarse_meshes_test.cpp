@@ -184,7 +184,7 @@ TEST(CoarseMeshes, OneThatIsNoAverageIsAnError) {
 
 // ---- normals far from their triangles
 
-// Along a sharp edge the average of both sides is nearly square to either.
+// Along a sharp edge the average of both sides is nearly perpendicular to either.
 TEST(SharpEdges, AveragedNormalsAreNoErrors) {
   Mesh mesh = sheet(2, [](double x, double) { return -20 * std::fabs(x - 1); });
   mesh.tangents.clear();

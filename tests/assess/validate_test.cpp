@@ -133,7 +133,7 @@ TEST(Validate, NamesPlantedDefects) {
        }},
       {"NORMAL_NOT_FINITE", [&](Mesh& m) { m.normals[v].x = NAN; }},
       {"NORMAL_NOT_UNIT", [&](Mesh& m) { m.normals[v] = 0.5 * m.normals[v]; }},
-      // Tilted about the tangent, which stays square to it.
+      // Tilted about the tangent, which stays perpendicular to it.
       {"NORMAL_ANGLE",
        [&](Mesh& m) { m.normals[v] = unit(m.normals[v] + 0.2 * cross(m.normals[v], t.xyz())); }},
       {"POSITION_NOT_FINITE", [&](Mesh& m) { m.positions[v].z = NAN; }},

@@ -207,7 +207,7 @@ std::vector<Row> rows_but(const std::vector<std::tuple<std::string, Order, Order
 
 // On a regular grid of a surface of revolution triangles before and behind a vertex are mirror images, so
 // that averages of unit vectors are exact. Along a parallel t turns in a plane, and interpolating it errs by
-// the third order; made square to an interpolated normal it loses that.
+// the third order; made perpendicular to an interpolated normal it loses that.
 TEST(MeshOrders, Torus) {
   expect_orders("torus:major_radius=1,minor_radius=0.4", rows_but({{"vertex n, Max", exact, 1},
                                                                    {"vertex t, unit", exact, 1},

@@ -295,6 +295,12 @@ std::optional<PointFit> fit_beside_plane(const PointCloud& points, const Normali
   if (!beside.usable ||
       static_cast<double>(beside.inliers) < enough * static_cast<double>(normal.finite - plane.inliers))
     return std::nullopt;
+  // What stands on the ground was measured as the ground was; where its noise is larger, it is of another
+  // kind.
+  constexpr double noisier = 1.5;
+  const bool is_exact = plane.sigma <= normal.scale * normal.stored_rounding();
+  if (beside.reason != "converged" || (!is_exact && beside.sigma > noisier * plane.sigma))
+    return std::nullopt;
   beside.iterations += all.iterations + plane.iterations;
   beside.reason += "; a plane of " + std::to_string(plane.inliers) + " points beside it is left out";
   return beside;

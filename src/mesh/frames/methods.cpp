@@ -81,9 +81,9 @@ constexpr FrameMethod methods[] = {
      .source = "Max1999",
      .cost = "linear, about 0.6 µs per triangle"},
     {.name = "fragment-gradient",
-     .summary = "what a shader gets from solving for the gradients of u and v across the smooth normal "
-                "(tinyrenderer); on "
-                "sheared uvs these are not the directions of the texture's axes",
+     .summary = "what a shader gets from solving for the gradients of u and v in the plane perpendicular to "
+                "the smooth normal (tinyrenderer); on sheared uvs these are not the directions of the "
+                "texture's axes",
      .formula = "A = (p1-p0; p2-p0; n), A i = (du1, du2, 0), A j = (dv1, dv2, 0), t = i/|i|, b = j/|j|",
      .compute = compute_fragment_gradient,
      .direction = {1, 1},
