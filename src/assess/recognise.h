@@ -33,8 +33,8 @@ class SearchBudget {
   SearchBudget& operator=(const SearchBudget&) = delete;
   bool spent() const;                            // time is up; ask only where something would be left out
   bool cut_short() const { return cut_short_; }  // whether something was left out
-  // Whether a similar part failed before: of this mesh, one of the same shape; of other meshes, one of the
-  // same uvs and normals as well.
+  // Whether a similar part failed before: in this mesh, one of the same shape; in other meshes, one of the
+  // same shape, uvs and normals.
   bool has_failed(const Outline& outline) const;
   void failed(const Outline& outline);
   // Whether only cheap fits may be tried on a part; if so, counts the part.

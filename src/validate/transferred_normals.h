@@ -15,7 +15,7 @@ namespace darboux {
 // whose vertices lie on its border, or it is curved and its normals turn less than the surface does, without
 // being all the same. If the normals of a region are negated, they jump at its edge; if those of a whole
 // piece are rotated together, they turn as much as the surface. A curved card whose normals are all negated
-// is refused, too; for a flat one nothing decides.
+// is refused, too; of a flat one nothing shows whether they are negated.
 // \param has_area triangles with area \param unsupported of vertices
 // \param sheet_border those at the borders of sheets that lie back to back
 std::vector<bool> may_be_transferred(const Mesh& mesh, const std::vector<bool>& has_area,
