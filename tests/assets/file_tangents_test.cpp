@@ -236,7 +236,7 @@ TEST(FileTangents, TargetsAloneCanSplitAVertex) {
   const auto position = b.positions({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
   const auto normal = b.packed<float>("VEC3", 5126, 4, {0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1});
   const auto uv = b.packed<float>("VEC2", 5126, 4, {0, 0, 1, 0, 1, 1, 0, 1});
-  const auto moved = b.packed<float>("VEC3", 5126, 4, {0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0});
+  const auto moved = b.packed<float>("VEC3", 5126, 4, {0, 0, 0, 0, 0.5F, 0, 0, 0, 0, 0, 0, 0});
   const auto indices = b.packed<std::uint8_t>("SCALAR", 5121, 6, {0, 1, 2, 0, 2, 3});
   b.primitive({{"POSITION", position}, {"NORMAL", normal}, {"TEXCOORD_0", uv}},
               {{"indices", indices}, {"targets", {{{"POSITION", moved}}}}});
@@ -245,11 +245,11 @@ TEST(FileTangents, TargetsAloneCanSplitAVertex) {
   // Without the target all corners have (1, 0, 0). With it the two triangles differ at the diagonal's ends.
   EXPECT_EQ(r.report.primitives.at(0).vertices, 6u);
   const Json& json = r.after.json["meshes"][0]["primitives"][0];
-  const float s = std::sqrt(0.5f);
+  const float s = 1 / std::sqrt(5.0f);
   const auto deltas = test::corner_floats<3>(r.after, json, json["targets"][0]["TANGENT"]);
   for (std::size_t c = 0; c < 6; ++c) {
-    EXPECT_NEAR(deltas[c][0], c < 3 ? s - 1 : 0, 1e-7);  // two roundings to float
-    EXPECT_NEAR(deltas[c][2], c < 3 ? s : 0, 1e-7);
+    EXPECT_NEAR(deltas[c][0], c < 3 ? 2 * s - 1 : 0, 1e-7);  // two roundings to float
+    EXPECT_NEAR(deltas[c][1], c < 3 ? s : 0, 1e-7);
   }
 }
 
