@@ -147,11 +147,12 @@ TEST(SharedVertices, SliversOfNoUvAreaMayDrawAverages) {
   const Sample<double> s = make_surface("sphere").sample(place.x, place.y);
   mesh.positions.push_back(s.jet.position);
   mesh.normals.push_back(s.frame.n);
-  mesh.uvs.push_back({uv.x, uv.y + 1e-9});
+  mesh.uvs.push_back(uv);
   mesh.triangles[first] = {t[0], t[1], middle};
   mesh.triangles.push_back({t[1], t[2], middle});
   mesh.triangles.push_back({t[2], t[0], middle});
   for (auto& p : mesh.uvs) p = {static_cast<float>(p.x), static_cast<float>(p.y)};
+  mesh.uvs[middle].y = std::nextafter(static_cast<float>(mesh.uvs[middle].y), 1.0F);
   store_sums(mesh);
   EXPECT_EQ(errors(assess(mesh).report), "");
 }
