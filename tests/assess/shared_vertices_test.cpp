@@ -143,7 +143,7 @@ TEST(SharedVertices, SliversOfNoUvAreaMayDrawAverages) {
   const auto at = [&](double x, double y) {
     return (1 - x - y) * mesh.uvs[t[0]] + x * mesh.uvs[t[1]] + y * mesh.uvs[t[2]];
   };
-  const Vec2<double> uv = at(0.5, 0), place = at(0.48, 0.04);
+  const Vec2<double> uv = at(0, 0.5), place = at(0.04, 0.48);
   const Sample<double> s = make_surface("sphere").sample(place.x, place.y);
   mesh.positions.push_back(s.jet.position);
   mesh.normals.push_back(s.frame.n);
@@ -152,7 +152,7 @@ TEST(SharedVertices, SliversOfNoUvAreaMayDrawAverages) {
   mesh.triangles.push_back({t[1], t[2], middle});
   mesh.triangles.push_back({t[2], t[0], middle});
   for (auto& p : mesh.uvs) p = {static_cast<float>(p.x), static_cast<float>(p.y)};
-  mesh.uvs[middle].y = std::nextafter(static_cast<float>(mesh.uvs[middle].y), 1.0F);
+  mesh.uvs[middle].x = std::nextafter(static_cast<float>(mesh.uvs[middle].x), 1.0F);
   store_sums(mesh);
   EXPECT_EQ(errors(assess(mesh).report), "");
 }
