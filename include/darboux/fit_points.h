@@ -105,9 +105,9 @@ const std::vector<std::string_view>& found_kinds();
 /// do not matter: they are centred and scaled first. Points at one place count once in the estimate. For
 /// found_kinds(), without uvs: a clump (a tenth to two thirds of the points, in a small ball) is left out,
 /// and named in `reason`, where the other points determine a surface that the clump is not on.
-/// So is a plane where another kind is named, without a guess: where all points are refused, and at least half
-/// of the others lie on a surface of that kind with at most 1.5 times the plane's noise. That costs two more
-/// fits.
+/// So is a plane where another kind is named, without a guess: where all points are refused, and at least
+/// half of the others lie on a surface of that kind with at most 1.5 times the plane's noise. That costs two
+/// more fits.
 ///
 /// The noise is taken to be at least half of the greatest rounding that the coordinates show (that of floats,
 /// of three to twelve decimals, of four to twelve significant digits, in floats up to eight). Where there is
