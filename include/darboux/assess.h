@@ -57,10 +57,9 @@ struct Assessment {
   MeshReport report;                   ///< against fit's surface where it fits
   std::optional<int> uv_set{};         ///< the set its tangents follow, where that is not the mesh's own
   std::optional<Evidence> evidence{};  ///< where a surface was looked for, none declared
-  /// Which of the parts it is, counted from 0; nothing: the whole mesh.
+  /// The part's number, from 0. Empty for the whole mesh.
   std::optional<std::size_t> part{};
-  /// Of a part: which triangles of the mesh the report's corners are those of, in order. Empty for the whole
-  /// mesh.
+  /// The part's triangles in the mesh, in the order of the report's corners. Empty for the whole mesh.
   std::vector<std::uint32_t> triangles{};
 };
 

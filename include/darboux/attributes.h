@@ -50,7 +50,7 @@ inline constexpr std::array<AttributeInfo, attribute_count> attribute_infos{{{"p
                                                                              {"principal_curvatures", 2},
                                                                              {"principal_directions", 6}}};
 inline constexpr std::size_t most_components = 6;
-/// Of all attributes together.
+/// The components of all attributes together.
 inline constexpr std::size_t all_components = [] {
   std::size_t sum = 0;
   for (const AttributeInfo& a : attribute_infos) sum += a.components;

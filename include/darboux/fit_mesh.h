@@ -38,11 +38,11 @@ enum class UvChart {
 struct MeshFit : SurfaceUncertainty {
   PlacedSurface surface;
   UvChart chart = UvChart::own;
-  /// Of a projected chart: P(u, v) = O + a u + b v + s(u, v) d, columns a, b and the unit d, in the mesh's
+  /// For a projected chart, P(u, v) = O + a u + b v + s(u, v) d, columns a, b and the unit d, in the mesh's
   /// space.
   Eigen::Matrix3d projection = Eigen::Matrix3d::Zero();
-  /// Of |position - surface(uv)| over the referenced vertices, in the mesh's units; of their distances from
-  /// the surface where the chart is not its own.
+  /// Root mean square of |position - surface(uv)| over the referenced vertices, in the mesh's units. Where
+  /// the chart is not the surface's own, that of their distances from the surface.
   double rms = 0;
   double rms_relative = 0;  ///< rms over the bounding box's diagonal
   /// The residual of one coordinate, in the mesh's units: sqrt(Σ |distance|² / (3 vertices - unknowns)). 0

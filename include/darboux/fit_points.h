@@ -39,9 +39,9 @@ struct StandardError {
 
 /// Where a number lies with the probability PointFit::level.
 struct ConfidenceInterval {
-  std::string name;  ///< of its standard error
-  /// In its units. A parameter of the surface: about the fitted one. axis_deg and centre: from 0 to the bound
-  /// of how far the fitted axis is turned from the true one, the fitted centre away from it.
+  std::string name;  ///< a parameter's, "axis_deg" or "centre", as in the standard errors
+  /// In its own units. A parameter's interval lies about the fitted value. Those of axis_deg and centre run
+  /// from 0 to a bound: how far the fitted axis or centre is off the true one.
   double low, high;
 };
 
@@ -51,7 +51,7 @@ struct FitCandidate {
   std::string name;
   double bic =
       0;  ///< Bayesian information criterion, smaller is better; comparable among the candidates of one fit
-  double rms = 0;  ///< of the inliers' distances, in the units of the points
+  double rms = 0;  ///< root mean square of the inliers' distances, in the units of the points
 };
 
 /// How far a fitted surface may be from the true one.
@@ -61,7 +61,7 @@ struct SurfaceUncertainty {
   /// points, both along the axes of the points' space; then the parameters in their order. What the points
   /// cannot tell because of a symmetry, lengths that only bound the patch, and what is held, are fixed by
   /// convention: their variance is zero. Where a mesh's uv map was estimated, the six numbers of
-  /// UvConvention::affine follow. Of a fit of points whose noise was estimated it is widened by 2 F(2, ν) /
+  /// UvConvention::affine follow. Where the noise of points was estimated, it is widened by 2 F(2, ν) /
   /// χ²(2) at 95 %, ν the degrees of freedom left (docs/theory/fit.md), so that normals stay within its
   /// ellipse at that level; frames and normal_deg take it as it is. The intervals of numbers have their own
   /// factors.
@@ -78,7 +78,7 @@ struct PointFit : SurfaceUncertainty {
   /// Noise of one coordinate, in the units of the points; where it is estimated, over the inliers less the
   /// unknowns.
   double sigma = 0;
-  double rms = 0;  ///< of the inliers' distances
+  double rms = 0;  ///< root mean square of the inliers' distances
   std::size_t inliers = 0, outliers = 0;
   std::size_t ignored = 0;      ///< points that are not finite, counted in neither
   std::vector<bool> is_inlier;  ///< one entry per point
@@ -159,7 +159,7 @@ struct UncertainFrame {
   /// the others zero; where n is not known, infinite on the diagonal and zero beside it.
   Eigen::Matrix3d covariance;
   double normal_deg = 0;   ///< standard deviation of the angle of n: sqrt(var t + var b); infinite: see below
-  double tangent_deg = 0;  ///< of t: sqrt(var b + var n); infinite: see below
+  double tangent_deg = 0;  ///< the same for t: sqrt(var b + var n); infinite: see below
   // First order fails, and t is not known, where three standard deviations change dpdu by its own length or
   // more: a pole of the chart is within reach, or this is one. n is not known where three standard deviations
   // turn it by a radian, where p is a focal point of the surface, and where such a pole is a point without

@@ -90,7 +90,7 @@ struct Primitive {
   /// World matrices of the nodes that show it, one per instance; empty when no node does.
   Instances instances;
   /// Its other uv sets, each with its number, where it has tangents and uvs: the tangents may follow one of
-  /// them. Of a glTF those of TEXCOORD_0 to TEXCOORD_7.
+  /// them. A glTF's are TEXCOORD_0 to TEXCOORD_7.
   std::vector<std::pair<int, std::vector<Vec2<double>>>> other_uvs;
   /// Whether the material says which set its tangents belong to. Where it does not, any set will do.
   bool names_uv_set = false;
@@ -249,8 +249,8 @@ void write_glb(const std::string& path, const Mesh& mesh, const std::string& nam
 /// Points read from a file.
 struct PointFile {
   PointCloud cloud;  ///< every point or vertex of the file, in its order
-  /// Of a mesh: for each vertex the first at the same place (within 1e-6 of the diagonal), itself where it is
-  /// that one, or `unused` where no triangle uses it. Empty where there are no triangles.
+  /// For each vertex of a mesh, the first vertex at the same place (within 1e-6 of the diagonal), which may
+  /// be itself; `unused` where no triangle uses it. Empty where there are no triangles.
   std::vector<std::uint32_t> place;
   static constexpr std::uint32_t unused = 0xffffffff;
   /// Where the first position that is not finite stands: "line 7", "vertex 3" (from 0). Empty where all are

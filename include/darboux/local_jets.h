@@ -21,7 +21,7 @@ constexpr std::size_t jet_coefficients(int degree) {
 
 struct JetOptions {
   int degree = 3;  ///< of the polynomial, 2 to 4
-  /// Of each neighbour, proportional to 1/variance; empty: all alike.
+  /// One weight per neighbour, proportional to 1/variance. Empty: all weigh the same.
   std::span<const double> weights{};
   /// The side on which n should lie. Zero, or perpendicular to n: the largest component of n (the first of
   /// equals) is positive.

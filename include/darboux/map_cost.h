@@ -23,14 +23,14 @@ struct MapCostOptions {
 /// Angles to the surface's normal, in degrees, at points inside triangles. Each stage has all before it.
 struct MapCostStages {
   std::size_t samples = 0;
-  Statistics triangle_deg;  ///< geometry: of the triangle's own normal
-  Statistics normal_deg;    ///< of the interpolated normal: what is seen without a map
-  /// Of a map that has no texels and no codes, made for MikkTSpace's tangents and read in the frame of the
-  /// stored ones; near 0 where these are MikkTSpace's, or where none are stored.
+  Statistics triangle_deg;  ///< the geometry's error: the triangle's own normal
+  Statistics normal_deg;    ///< the interpolated normal's error: what is seen without a map
+  /// The error of an ideal map, without texels and codes, made for MikkTSpace's tangents and read in the
+  /// frame of the stored ones; near 0 where these are MikkTSpace's, or where none are stored.
   Statistics frame_deg;
-  Statistics texel_deg;    ///< of a map of that size in floats, read bilinearly
-  Statistics codes16_deg;  ///< of its 16 bits
-  Statistics codes8_deg;   ///< of its 8 bits
+  Statistics texel_deg;    ///< the error of a map of that size in floats, read bilinearly
+  Statistics codes16_deg;  ///< the error of the same map in 16 bits
+  Statistics codes8_deg;   ///< the same in 8 bits
 };
 
 struct MapCost {

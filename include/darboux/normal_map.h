@@ -87,7 +87,7 @@ struct NormalMapOptions {
   /// average. The value is the seed of the noise.
   std::optional<std::uint64_t> dither;
   int dilate = 0;                          ///< texels by which islands grow into the gutter; at most 1024
-  std::optional<SampleType> type;          ///< of what is written; nothing: the input's
+  std::optional<SampleType> type;          ///< of the samples written; empty: the input's
   int threads = 1;                         ///< 0: all; the bits do not depend on it
   std::function<void(double)> progress{};  ///< called with the share that is done, from any thread
 };

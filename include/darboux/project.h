@@ -23,7 +23,7 @@ struct Projection {
 
 /// What counts as the surface beyond [0, 1] of a linear coordinate.
 enum class Extent {
-  patch,     ///< nothing: the foot may lie on the border
+  patch,     ///< no continuation: the foot may lie on the border
   extended,  ///< its analytic extension: cylinder, cone and plane do not end. At an end of the domain that is
              ///< a single point (a cone's apex, the middle of a disk) the surface ends all the same
 };

@@ -67,7 +67,7 @@ enum class StabilityBound : std::uint8_t {
   stated,    ///< what `darboux check` holds the surface to
   dual,      ///< 16u (1 + condition)
   estimate,  ///< four times the route's own estimate, and 8u (1 + condition)
-  none       ///< nothing: its errors are shown against what Darboux promises
+  none       ///< no promise: its errors are shown against what Darboux promises
 };
 
 /// A way from (u, v) to numbers.

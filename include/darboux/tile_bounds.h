@@ -119,15 +119,15 @@ class TileBounds {
 
   /// An upper bound of direction · P over the tile: the tile lies wholly where direction · P <= support.
   /// With the outer normal of a plane of the frustum, a tile is outside where -support(-normal) exceeds its
-  /// offset; with the axes it is the tile's box. Of closed forms it exceeds the maximum by at most
+  /// offset; with the axes it is the tile's box. For closed forms it exceeds the maximum by at most
   /// 32u |direction| size, size a length about that of the tile's farthest point from the origin.
   double support(const Vec3<double>& direction) const;
 
   /// An upper bound, a length, of n · (eye - P), n unit: where it is negative, all of the tile faces away
-  /// from the eye. Of a surface that is open, or that is seen from inside, that side is seen all the same:
-  /// cull only what is single-sided and not displaced. Of closed forms it exceeds the maximum by at most 32u
-  /// (|eye| + size); of ellipsoids it tells the sign alone, within that times the ratio of the longest to the
-  /// shortest semi-axis.
+  /// from the eye. The far side of a surface that is open, or seen from inside, is visible all the same:
+  /// cull only what is single-sided and not displaced. For closed forms it exceeds the maximum by at most 32u
+  /// (|eye| + size); for ellipsoids it tells the sign alone, within that times the ratio of the longest to
+  /// the shortest semi-axis.
   double facing(const Vec3<double>& eye) const;
   /// The same for parallel rays: of n · towards_eye.
   double facing_along(const Vec3<double>& towards_eye) const;
