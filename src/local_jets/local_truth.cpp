@@ -137,7 +137,7 @@ class LocalTruth {
     for (int r = 0; r < ring; ++r) rings_.grow(walk_);
     Asked asked{&open, near_.size(), 0, 0};
     for (const Index node : walk_.near)
-      if (const Index v = Rings::vertex(node); is_finite_[v]) near_.push_back(v);
+      if (const Index v = rings_.vertex(node); is_finite_[v]) near_.push_back(v);
     asked.end = near_.size();
     // Fewer would not tell the error.
     if (asked.end - asked.begin < jet_coefficients(open.degree + 1) + 3 ||
@@ -193,7 +193,7 @@ class LocalTruth {
       open->best = !by_uvs_ ? normal_of(jet)
                    : is_singular(jet.jet, rings_.uv(open->node), first_ring, mesh_.uvs)
                        ? no_truth()
-                       : truth_of(jet, Rings::sign(open->node));
+                       : truth_of(jet, rings_.sign(open->node));
       const bool enough = degree == finest_degree || error < close;
       open->degree = enough ? 0 : finest_degree;
     }

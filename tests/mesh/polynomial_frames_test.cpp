@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iostream>
 #include <random>
 #include <vector>
 
@@ -57,6 +58,52 @@ TEST(PolynomialFrames, PolynomialsAreExactOnPolynomials) {
       }
     }
   }
+}
+
+// A cube blown up to a sphere, each face with the uvs [0, 1]². At some corners of the cube faces meet in
+// equal uvs: no polynomial may take neighbours from two of them.
+TEST(PolynomialFrames, ChartsThatMeetInEqualUvsStayApart) {
+  constexpr int n = 16;
+  constexpr std::array<Vec3<double>, 3> x{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  Mesh apart;
+  std::vector<Vec3<double>> dpdu;
+  for (int face = 0; face < 6; ++face) {
+    const double side = face < 3 ? 1 : -1;
+    const Vec3<double> c = side * x[static_cast<std::size_t>(face % 3)],
+                       a = x[static_cast<std::size_t>((face + 1) % 3)], b = cross(c, a);
+    const auto first = static_cast<std::uint32_t>(apart.positions.size());
+    for (int j = 0; j <= n; ++j)
+      for (int i = 0; i <= n; ++i) {
+        const double u = i / double{n}, v = j / double{n};
+        const Vec3<double> p = unit(c + (2 * u - 1) * a + (2 * v - 1) * b);
+        apart.positions.push_back(p);
+        apart.normals.push_back(p);
+        apart.uvs.push_back({u, v});
+        dpdu.push_back(unit(a - dot(a, p) * p));
+        if (i == n || j == n) continue;
+        const std::uint32_t v00 = first + static_cast<std::uint32_t>(j * (n + 1) + i), v10 = v00 + 1,
+                            v01 = v00 + n + 1, v11 = v01 + 1;
+        apart.triangles.push_back({v00, v10, v11});
+        apart.triangles.push_back({v00, v11, v01});
+      }
+  }
+  Mesh shared = apart;  // one vertex for all that are equal
+  std::size_t joined = 0;
+  for (Triangle& triangle : shared.triangles)
+    for (std::uint32_t& v : triangle)
+      for (std::uint32_t w = 0; w < v; ++w)
+        if (norm(apart.positions[v] - apart.positions[w]) < 1e-12 && apart.uvs[v] == apart.uvs[w])
+          v = w, ++joined;
+  EXPECT_GT(joined, 0u);
+  for (const Mesh* mesh : {&apart, &shared})
+    for (const char* method : {"quadratic", "cubic", "procrustes"}) {
+      const MeshFrames frames = mesh_frames(*mesh, find_frame_method(method));
+      double worst = 0;
+      for (std::size_t k = 0; k < mesh->corners(); ++k)
+        worst = std::fmax(worst, norm(frames.corner(k).t - dpdu[apart.triangles[k / 3][k % 3]]));
+      std::cout << method << " " << worst << '\n';
+      EXPECT_LE(worst, 0.3);
+    }
 }
 
 // The polynomials that are nearest do not depend on the chart's scales, shear and turn: nor may the choice of

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <Eigen/QR>
 
@@ -56,7 +57,6 @@ std::vector<Index> join_equal_vertices(const Mesh& mesh, bool by_uvs) {
 }
 
 Rings::Rings(const Mesh& mesh, std::span<const Index> joined, bool by_uvs) : mesh_(mesh) {
-  begin_.assign(size() + 1, 0);
   nodes_.reserve(mesh.triangles.size());
   frames.of_corner.reserve(mesh.corners());
   std::vector<bool> good;
@@ -74,18 +74,69 @@ Rings::Rings(const Mesh& mesh, std::span<const Index> joined, bool by_uvs) : mes
     for (int k = 0; k < 3; ++k) {
       nodes[k] = 2 * joined[triangle[k]] + (sign > 0 ? 1 : 0);
       frames.of_corner.push_back(nodes[k]);
-      if (good.back()) ++begin_[nodes[k] + 1];
     }
   }
+  list_triangles(good);
+  // A triangle without area in uv has no winding: its corners go with the triangles that have one.
+  for (std::size_t c = 0; c < frames.of_corner.size(); ++c) {
+    Index& node = frames.of_corner[c];
+    if (!good[c / 3] && !used(node) && used(node ^ 1)) node ^= 1;
+  }
+  split_fans();
+  if (!split_from_.empty()) list_triangles(good);
+}
+
+void Rings::list_triangles(const std::vector<bool>& good) {
+  begin_.assign(size() + 1, 0);
+  for (std::size_t t = 0; t < nodes_.size(); ++t)
+    for (int k = 0; good[t] && k < 3; ++k) ++begin_[nodes_[t][k] + 1];
   for (std::size_t i = 0; i < size(); ++i) begin_[i + 1] += begin_[i];
   triangles_.resize(begin_.back());
   std::vector<Index> next(begin_.begin(), begin_.end() - 1);
   for (std::size_t t = 0; t < nodes_.size(); ++t)
     for (int k = 0; good[t] && k < 3; ++k) triangles_[next[nodes_[t][k]]++] = static_cast<Index>(t);
-  // A triangle without area in uv has no winding: its corners go with the triangles that have one.
-  for (std::size_t c = 0; c < frames.of_corner.size(); ++c) {
-    Index& node = frames.of_corner[c];
-    if (!good[c / 3] && !used(node) && used(node ^ 1)) node ^= 1;
+}
+
+// Triangles about a node are of one fan where a chain of edges at the node connects them.
+void Rings::split_fans() {
+  std::vector<std::pair<Index, Index>> ends;  // of an edge at the node: the other end, the triangle's place
+  std::vector<Index> fan, name;  // of each triangle: one before it in its fan; of a fan: its node
+  const auto root = [&](Index i) {
+    while (fan[i] != i) i = fan[i] = fan[fan[i]];
+    return i;
+  };
+  for (Index node = 0; node < wound(); ++node) {
+    const auto about =
+        std::span<const Index>(triangles_).subspan(begin_[node], begin_[node + 1] - begin_[node]);
+    if (about.size() < 2) continue;
+    fan.resize(about.size());
+    ends.clear();
+    for (Index i = 0; i < about.size(); ++i) {
+      fan[i] = i;
+      for (const Index other : nodes_[about[i]])
+        if (other != node) ends.emplace_back(other, i);
+    }
+    std::sort(ends.begin(), ends.end());
+    std::size_t fans = about.size();
+    for (std::size_t e = 1; e < ends.size(); ++e) {
+      if (ends[e].first != ends[e - 1].first) continue;
+      const Index a = root(ends[e - 1].second), b = root(ends[e].second);
+      fans -= a != b;
+      fan[std::max(a, b)] = std::min(a, b);
+    }
+    if (fans == 1) continue;
+    name.assign(about.size(), node);
+    for (Index i = 1; i < about.size(); ++i) {
+      const Index first = root(i);
+      if (first == 0) continue;
+      if (first == i) {
+        name[i] = static_cast<Index>(size());
+        split_from_.push_back(node);
+      }
+      for (int k = 0; k < 3; ++k)
+        if (nodes_[about[i]][k] == node)
+          nodes_[about[i]][k] = frames.of_corner[3 * std::size_t{about[i]} + k] = name[first];
+    }
   }
 }
 
@@ -209,8 +260,8 @@ MeshFrames of_nodes(const Mesh& mesh, int threads, const FrameOf& frame) {
             rings.start(node, walk);
             pair = frame(rings, walk);
           }
-          const double sign = Rings::sign(node);
-          const Vec3<double> own = mesh.normals.empty() ? Vec3<double>{} : mesh.normals[node / 2];
+          const double sign = rings.sign(node);
+          const Vec3<double> own = mesh.normals.empty() ? Vec3<double>{} : mesh.normals[rings.vertex(node)];
           frames[node] =
               pair ? frame_or_fallback(unit(pair->t), unit(pair->b),
                                        unit(sign * accurate_cross(unit(pair->t), unit(pair->b))), sign)

@@ -16,19 +16,20 @@ using Index = std::uint32_t;
 std::vector<Index> join_equal_vertices(const Mesh& mesh, bool by_uvs = true);
 
 // Nodes are vertices, joined where they agree in position, uv and normal, apart where the triangles' uvs wind
-// differently. Without uvs all wind alike.
+// differently (without uvs all wind alike) and where no edges connect the triangles about them: charts of one
+// atlas each, as the six of a cube, may have equal uvs where they meet.
 class Rings {
  public:
   explicit Rings(const Mesh& mesh) : Rings(mesh, join_equal_vertices(mesh)) {}
   // \param joined join_equal_vertices() \param by_uvs whether the mesh has uvs, and they count
   Rings(const Mesh& mesh, std::span<const Index> joined, bool by_uvs = true);
 
-  std::size_t size() const { return 2 * mesh_.positions.size(); }
+  std::size_t size() const { return wound() + split_from_.size(); }
   bool used(Index node) const { return begin_[node] != begin_[node + 1]; }
-  static Index vertex(Index node) { return node / 2; }  // the first of those joined
+  Index vertex(Index node) const { return whole(node) / 2; }  // the first of those joined
   const Vec3<double>& position(Index node) const { return mesh_.positions[vertex(node)]; }
   const Vec2<double>& uv(Index node) const { return mesh_.uvs[vertex(node)]; }
-  static double sign(Index node) { return node % 2 == 1 ? 1 : -1; }
+  double sign(Index node) const { return whole(node) % 2 == 1 ? 1 : -1; }
 
   // Nodes up to so many edges away from `near.front()`, appended ring by ring; ends[r] is where ring r ends.
   // The first ring is complete. Later ones stop at most_nodes, and continue from a node over at most
@@ -50,7 +51,13 @@ class Rings {
   MeshFrames frames;  // counts and of_corner; the frames of nodes are to be filled in
 
  private:
+  std::size_t wound() const { return 2 * mesh_.positions.size(); }
+  Index whole(Index node) const { return node < wound() ? node : split_from_[node - wound()]; }
+  void list_triangles(const std::vector<bool>& good);
+  void split_fans();
+
   const Mesh& mesh_;
+  std::vector<Index> split_from_;         // of each further node of a vertex and winding: its first
   std::vector<Index> begin_, triangles_;  // of each node: its triangles
   std::vector<Triangle> nodes_;           // of each triangle
   std::vector<bool> at_crease_;           // of each node
