@@ -19,13 +19,13 @@
 
 namespace darboux {
 
-/// From best to worst. nothing: there is nothing to judge: no triangles, or neither normals nor tangents.
+/// From best to worst. `nothing` means nothing to judge: no triangles, or neither normals nor tangents.
 enum class Verdict { nothing, pass, undetermined, fail };
 enum class Severity { info, warning, error };
 inline constexpr std::array<std::string_view, 4> verdict_names{"nothing", "pass", "undetermined", "fail"};
 inline constexpr std::array<std::string_view, 3> severity_names{"info", "warning", "error"};
 
-/// What a mesh is compared with. none: nothing decided.
+/// What a mesh is compared with. `none`: nothing could decide.
 enum class ReferenceKind { none, analytic, triangles, local, mikktspace };
 inline constexpr std::array<std::string_view, 5> reference_names{"none", "analytic", "triangles", "local",
                                                                  "mikktspace"};
@@ -164,6 +164,10 @@ struct ValidateOptions {
   /// Other uv sets of the mesh, one uv per vertex, which its tangents may follow instead; the number names
   /// the set.
   std::span<const std::pair<int, std::vector<Vec2<double>>>> other_uvs{};
+  /// Triangles on which the mesh's surface goes on, as those of a glTF mesh's other primitives, with the same
+  /// attributes. They are not judged, but normals and tangents at vertices of the same position and normal
+  /// may be averages over them too. Null: none.
+  const Mesh* beside = nullptr;
   /// The sign convention of the file's format. Tangents that follow the other one are reported as
   /// TANGENT_HANDEDNESS_CONVENTION or, if the format's is raw, as BINORMAL_AGAINST_V.
   SignConvention sign = SignConvention::gltf;

@@ -1,12 +1,17 @@
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <numeric>
 #include <span>
 
 #include <darboux/assess.h>
 #include <darboux/error.h>
 
+#include "base/degrees.h"
 #include "fit/common/kinds.h"
 #include "fit/fit_kinds.h"
+#include "mesh/area_vector.h"
 #include "mesh/used_vertices.h"
 #include "parts.h"
 #include "recognise.h"
@@ -222,8 +227,8 @@ std::vector<Assessment> assess_each(MeshUnderTest whole, std::vector<MeshPart> p
     AssessOptions of_part = options;
     const UvSets other_uvs = restrict_to(options.other_uvs, p);
     of_part.other_uvs = other_uvs;
-    result.push_back(assessment_of(restrict_to(whole, p, options.max_angle_deg), std::move(p.recognition),
-                                   of_part, false));
+    result.push_back(assessment_of(restrict_to(whole, p.mesh, p.vertices, p.triangles, options.max_angle_deg),
+                                   std::move(p.recognition), of_part, false));
     result.back().part = result.size() - 1;
     add(result.back().report, finding(Code::crease_shared, corners));
     renumber(result.back().report, p);
@@ -259,17 +264,18 @@ void note_budget(MeshReport& report, const SearchBudget& budget) {
   add(report, finding(Code::budget_spent, budget.cut_short() ? std::max<std::size_t>(report.corners, 1) : 0));
 }
 
-// Calls assess_under_test(MeshUnderTest) with the uvs that the tangents follow, and says which they are where
-// they are not the mesh's.
+// Calls assess_under_test(MeshUnderTest, options) with the uvs that the tangents follow, and says which they
+// are where they are not the mesh's.
 template <class AssessUnderTest>
-std::vector<Assessment> assess_by_uvs_followed(const Mesh& mesh, const AssessOptions& options,
+std::vector<Assessment> assess_by_uvs_followed(const Mesh& mesh, AssessOptions options,
                                                const AssessUnderTest& assess_under_test) {
   check(mesh, options);
   MeshUnderTest own = prepare(mesh, options);
   const std::optional<UvChoice> choice = choose_uvs(own, options);
   MeshUnderTest under_test = choice ? prepare_with_uvs_of(choice->mesh, std::move(own)) : std::move(own);
+  if (choice) options.beside = nullptr;  // its uvs are of the mesh's own set
   add_references(under_test, options);
-  std::vector<Assessment> assessments = assess_under_test(std::move(under_test));
+  std::vector<Assessment> assessments = assess_under_test(std::move(under_test), options);
   if (!choice) return assessments;
   const std::size_t corners = std::max<std::size_t>(mesh.corners(), 1);
   if (choice->transformed) add(assessments.front().report, finding(Code::tangent_texture_transform, corners));
@@ -281,14 +287,34 @@ std::vector<Assessment> assess_by_uvs_followed(const Mesh& mesh, const AssessOpt
   return assessments;
 }
 
+// Whether triangles with normals of their own stand across the surface that their vertices lie on, as the
+// flat base of half a sphere does.
+bool has_caps(const MeshUnderTest& under_test, std::span<const Truth> truth) {
+  const Mesh& mesh = under_test.mesh;
+  if (mesh.normals.empty() || truth.empty()) return false;
+  const double across = std::cos(50 / degrees_per_radian), own = std::cos(10 / degrees_per_radian);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!under_test.has_area[t]) continue;
+    const Triangle& triangle = mesh.triangles[t];
+    const Vec3<double> n = unit(area_vector(mesh, triangle));
+    if (std::all_of(triangle.begin(), triangle.end(), [&](std::uint32_t v) {
+          return std::fabs(dot(n, truth[v].normal)) < across &&
+                 std::fabs(dot(n, unit(mesh.normals[v]))) > own;
+        }))
+      return true;
+  }
+  return false;
+}
+
 std::vector<Assessment> assess_whole_or_parts(MeshUnderTest under_test, const AssessOptions& options) {
   const Mesh& mesh = under_test.mesh;
   SearchBudget budget(options);
   Recognition whole = recognise_whole(under_test, options, budget);
   // Uvs that are a surface's own tell more than positions do: parts with charts of their own, as the halves
   // of a mirrored one, go before a whole whose uvs say nothing.
-  const bool uncharted = whole.fits() && whole.fit->chart == UvChart::unknown && !mesh.uvs.empty();
-  if (!options.references.analytic || (whole.fits() && !uncharted))
+  const bool capped = whole.fits() && !options.declares_surface() && has_caps(under_test, whole.truth);
+  const bool uncharted = whole.fits() && !capped && whole.fit->chart == UvChart::unknown && !mesh.uvs.empty();
+  if (!options.references.analytic || (whole.fits() && !uncharted && !capped))
     return {assess_whole(std::move(under_test), std::move(whole), options)};
 
   std::optional<std::string_view> charted;
@@ -317,21 +343,20 @@ std::vector<Assessment> assess_whole_or_parts(MeshUnderTest under_test, const As
 }  // namespace
 
 Assessment assess(const Mesh& mesh, const AssessOptions& options) {
-  std::vector<Assessment> one = assess_by_uvs_followed(mesh, options, [&](MeshUnderTest under_test) {
-    SearchBudget budget(options);
-    Recognition recognition = recognise_whole(under_test, options, budget);
-    std::vector<Assessment> result;
-    result.push_back(assess_whole(std::move(under_test), std::move(recognition), options));
-    note_budget(result.front().report, budget);
-    return result;
-  });
+  std::vector<Assessment> one =
+      assess_by_uvs_followed(mesh, options, [](MeshUnderTest under_test, const AssessOptions& own_options) {
+        SearchBudget budget(own_options);
+        Recognition recognition = recognise_whole(under_test, own_options, budget);
+        std::vector<Assessment> result;
+        result.push_back(assess_whole(std::move(under_test), std::move(recognition), own_options));
+        note_budget(result.front().report, budget);
+        return result;
+      });
   return std::move(one.front());
 }
 
 std::vector<Assessment> assess_parts(const Mesh& mesh, const AssessOptions& options) {
-  return assess_by_uvs_followed(mesh, options, [&](MeshUnderTest under_test) {
-    return assess_whole_or_parts(std::move(under_test), options);
-  });
+  return assess_by_uvs_followed(mesh, options, assess_whole_or_parts);
 }
 
 }  // namespace darboux

@@ -99,44 +99,6 @@ MeshPart Cutter::part(Triangles triangles) {
   return part;
 }
 
-MeshUnderTest restrict_to(const MeshUnderTest& whole, const MeshPart& part, double max_angle_deg) {
-  MeshUnderTest under_test{.mesh = part.mesh, .raw_sign = part.raw_sign};
-  under_test.normals.all_oppose = whole.normals.all_oppose;
-  under_test.cones = whole.cones.restricted_to(part.vertices, max_angle_deg);
-  under_test.mikktspace = whole.mikktspace.restricted_to(part.mesh, part.vertices, part.triangles);
-  const bool normals = !whole.mesh.normals.empty();
-  for (const std::uint32_t v : part.vertices) {
-    under_test.classes.of_vertex.push_back(whole.classes.of_vertex[v]);
-    under_test.across_mirror.push_back(whole.across_mirror[v]);
-    under_test.has_uv_area.push_back(whole.has_uv_area[v]);
-    if (normals) {
-      under_test.normals.unsupported.push_back(whole.normals.unsupported[v]);
-      under_test.normals.side.push_back(whole.normals.side[v]);
-      under_test.normals.may_be_meant.push_back(whole.normals.may_be_meant[v]);
-      under_test.normals.departing.push_back(whole.normals.departing[v]);
-      under_test.normals.drawn.push_back(whole.normals.drawn[v]);
-      under_test.normals.faceted_vertices.push_back(whole.normals.faceted_vertices[v]);
-    }
-    if (!whole.local.empty()) under_test.local.push_back(whole.local[v]);
-    if (!whole.between_parts.empty()) under_test.between_parts.push_back(whole.between_parts[v]);
-  }
-  std::unordered_map<std::int32_t, std::int32_t> island;
-  for (const std::uint32_t t : part.triangles) {
-    under_test.has_area.push_back(whole.has_area[t]);
-    if (normals) {
-      under_test.normals.faceted.push_back(whole.normals.faceted[t]);
-      under_test.normals.opposing += whole.normals.opposes[t] ? 3 : 0;
-      under_test.normals.opposes.push_back(whole.normals.opposes[t]);
-    }
-    const std::int32_t of_whole = whole.classes.island_of_triangle[t];
-    const auto next = static_cast<std::int32_t>(island.size());
-    under_test.classes.island_of_triangle.push_back(
-        of_whole < 0 ? -1 : island.try_emplace(of_whole, next).first->second);
-  }
-  under_test.classes.islands = static_cast<std::int32_t>(island.size());
-  return under_test;
-}
-
 UvSets restrict_to(std::span<const UvSets::value_type> whole, const MeshPart& part) {
   UvSets sets;
   for (const auto& [set, uvs] : whole) {

@@ -41,9 +41,6 @@ class Cutter {
   std::vector<std::uint32_t> seen_;
 };
 
-// The part under test, with what is known of the whole mesh.
-MeshUnderTest restrict_to(const MeshUnderTest& whole, const MeshPart& part, double max_angle_deg);
-
 using UvSets = std::vector<std::pair<int, std::vector<Vec2<double>>>>;
 
 // The uv sets of the whole, at the part's vertices.

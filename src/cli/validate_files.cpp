@@ -7,9 +7,11 @@
 #include <filesystem>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include <fnmatch.h>
 
+#include "assets/triangles_beside.h"
 #include "base/extension.h"
 #include "io/json_cursor.h"
 
@@ -220,27 +222,32 @@ namespace {
 // Orders primitives by the bits of everything that their assessments depend on.
 struct ByContent {
   const std::vector<Primitive>& primitives;
+  const std::vector<Mesh>& beside;
 
-  static auto few(const Primitive& p) {
+  auto few(std::size_t i) const {
+    const Primitive& p = primitives[i];
     const Mesh& m = p.data;
     const HalfSteps& s = m.half_steps;
     return std::tuple(m.positions.size(), m.triangles.size(), m.normals.size(), m.uvs.size(),
                       m.tangents.size(), p.other_uvs.size(), s.position, s.normal, s.uv, s.tangent,
-                      p.names_uv_set, p.texture_transform);
+                      p.names_uv_set, p.texture_transform, beside[i].positions.size(),
+                      beside[i].triangles.size());
   }
 
   bool operator()(std::size_t i, std::size_t j) const {
     const Primitive &p = primitives[i], &q = primitives[j];
-    if (const auto a = few(p), b = few(q); a != b) return a < b;
+    if (const auto a = few(i), b = few(j); a != b) return a < b;
     int order = 0;
     const auto compare = [&order](const auto& a, const auto& b) {
       if (order == 0 && !a.empty()) order = std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]);
     };
-    compare(p.data.triangles, q.data.triangles);
-    compare(p.data.positions, q.data.positions);
-    compare(p.data.normals, q.data.normals);
-    compare(p.data.uvs, q.data.uvs);
-    compare(p.data.tangents, q.data.tangents);
+    for (const auto& [a, b] : {std::pair(&p.data, &q.data), std::pair(&beside[i], &beside[j])}) {
+      compare(a->triangles, b->triangles);
+      compare(a->positions, b->positions);
+      compare(a->normals, b->normals);
+      compare(a->uvs, b->uvs);
+      compare(a->tangents, b->tangents);
+    }
     for (std::size_t k = 0; order == 0 && k < p.other_uvs.size(); ++k) {
       order = p.other_uvs[k].first - q.other_uvs[k].first;
       compare(p.other_uvs[k].second, q.other_uvs[k].second);  // one uv per vertex, as the other has
@@ -249,9 +256,9 @@ struct ByContent {
   }
 };
 
-// For each primitive the first of the same content.
-std::vector<std::size_t> first_of(const std::vector<Primitive>& primitives) {
-  std::set<std::size_t, ByContent> kinds{ByContent{primitives}};
+// For each primitive the first of the same content. \param beside triangles_beside() them
+std::vector<std::size_t> first_of(const std::vector<Primitive>& primitives, const std::vector<Mesh>& beside) {
+  std::set<std::size_t, ByContent> kinds{ByContent{primitives, beside}};
   std::vector<std::size_t> result;
   for (std::size_t i = 0; i < primitives.size(); ++i) result.push_back(*kinds.insert(i).first);
   return result;
@@ -259,7 +266,8 @@ std::vector<std::size_t> first_of(const std::vector<Primitive>& primitives) {
 
 // \param begun when the file was begun; its primitives share the budget
 // \param history parts of its earlier primitives in which no surface was found
-std::vector<Assessment> assess_primitive(const Primitive& primitive, const AssessOptions& options,
+std::vector<Assessment> assess_primitive(const Primitive& primitive, const Mesh& beside,
+                                         const AssessOptions& options,
                                          std::chrono::steady_clock::time_point begun,
                                          SearchHistory& history) {
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begun;
@@ -270,17 +278,24 @@ std::vector<Assessment> assess_primitive(const Primitive& primitive, const Asses
   with_uvs.names_uv_set = primitive.names_uv_set;
   with_uvs.sign = primitive.sign;
   with_uvs.texture_transform = primitive.texture_transform;
+  with_uvs.beside = &beside;
   return assess_parts(primitive.data, with_uvs);
 }
 
-void skip_unneeded(Asset& asset, std::vector<SkippedPrimitive>& skipped) {
+void skip_unneeded(Asset& asset, std::vector<Mesh>& beside, std::vector<SkippedPrimitive>& skipped) {
   std::vector<Primitive> needed;
-  for (Primitive& p : asset.primitives)
-    if (p.needs_tangents.value_or(true))
+  std::vector<Mesh> beside_those;
+  for (std::size_t i = 0; i < asset.primitives.size(); ++i) {
+    Primitive& p = asset.primitives[i];
+    if (p.needs_tangents.value_or(true)) {
       needed.push_back(std::move(p));
-    else
+      beside_those.push_back(std::move(beside[i]));
+    } else {
       skipped.push_back({p.mesh, p.primitive, std::string(unneeded_reason)});
+    }
+  }
   asset.primitives = std::move(needed);
+  beside = std::move(beside_those);
 }
 
 }  // namespace
@@ -290,8 +305,9 @@ void assess_file(AssessedFile& file, const AssessOptions& options, const Policy&
   if (file.readable()) try {
       Asset asset = read_asset(file.path, read);
       file.skipped = asset.skipped;
-      if (policy.only_needed) skip_unneeded(asset, file.skipped);
-      const std::vector<std::size_t> first = first_of(asset.primitives);
+      std::vector<Mesh> beside = triangles_beside(asset.primitives);
+      if (policy.only_needed) skip_unneeded(asset, beside, file.skipped);
+      const std::vector<std::size_t> first = first_of(asset.primitives, beside);
       const auto begun = std::chrono::steady_clock::now();
       std::vector<std::size_t> count(first.size());
       for (const std::size_t i : first) ++count[i];
@@ -301,7 +317,8 @@ void assess_file(AssessedFile& file, const AssessOptions& options, const Policy&
       for (std::size_t i = 0; i < first.size(); ++i) {
         Primitive& primitive = asset.primitives[i];
         std::vector<Assessment> assessments =
-            first[i] < i ? repeated[first[i]] : assess_primitive(primitive, options, begun, history);
+            first[i] < i ? repeated[first[i]]
+                         : assess_primitive(primitive, beside[i], options, begun, history);
         if (first[i] == i && count[i] > 1) repeated[i] = assessments;
         of_mesh.try_emplace(primitive.mesh, primitive.instances)
             .first->second.add_to(assessments.front().report);

@@ -229,18 +229,21 @@ std::optional<std::string> rotation_of(const std::vector<Pair>& samples) {
 }
 
 // Normals of the vertices all of whose triangles lie in one plane, and that plane's: of hard edges and facets
-// there is no other.
+// there is no other. Vertices with one place and one normal, as those along seams of uvs, are one.
 std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limit) {
   const Mesh& mesh = under_test.mesh;
   const double same_plane = limit / 2;
+  VertexJoins of_part;
+  const std::vector<std::uint32_t>& joined = joins_of(under_test, of_part).position_and_normal;
   std::vector<Vec3<double>> plane(mesh.positions.size());
   std::vector<bool> is_bent(mesh.positions.size(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!under_test.has_area[t]) continue;
     const Vec3<double> n = unit(area_vector(mesh, mesh.triangles[t]));
     for (const std::uint32_t v : mesh.triangles[t]) {
-      if (plane[v] == Vec3<double>{}) plane[v] = n;
-      is_bent[v] = is_bent[v] || !(angle_deg(plane[v], n) <= same_plane);
+      const std::uint32_t at = joined[v];
+      if (plane[at] == Vec3<double>{}) plane[at] = n;
+      is_bent[at] = is_bent[at] || !(angle_deg(plane[at], n) <= same_plane);
     }
   }
   const double side = under_test.normals.all_oppose ? -1 : 1;
@@ -248,8 +251,9 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
   std::vector<Pair> samples;
   for (std::size_t v = 0; v < mesh.positions.size(); v += step) {
     const Vec3<double>& n = mesh.normals[v];
-    if (plane[v] == Vec3<double>{} || is_bent[v] || !detail::finite(n) || n == Vec3<double>{}) continue;
-    samples.push_back({v, unit(n), side * plane[v], {}, {}, 1, 1, limit});
+    const Vec3<double>& across = plane[joined[v]];
+    if (across == Vec3<double>{} || is_bent[joined[v]] || !detail::finite(n) || n == Vec3<double>{}) continue;
+    samples.push_back({v, unit(n), side * across, {}, {}, 1, 1, limit});
   }
   return samples;
 }

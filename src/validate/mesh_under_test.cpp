@@ -1,5 +1,9 @@
 #include "mesh_under_test.h"
 
+#include <numeric>
+#include <unordered_map>
+#include <utility>
+
 #include <darboux/error.h>
 
 #include "base/text.h"
@@ -23,6 +27,12 @@ MeshUnderTest prepare(const Mesh& mesh, const ValidateOptions& options) {
       throw MeshError("mesh", "uv set " + std::to_string(set) + " has " + std::to_string(uvs.size()) +
                                   " uvs for " + std::to_string(mesh.positions.size()) +
                                   " vertices, expected one per vertex");
+  if (const Mesh* beside = options.beside) {
+    check_consistent(*beside, "mesh beside");
+    if (beside->normals.empty() != mesh.normals.empty() || beside->uvs.empty() != mesh.uvs.empty() ||
+        beside->tangents.empty() != mesh.tangents.empty())
+      throw MeshError("mesh beside", "expected the attributes that the mesh has, got others");
+  }
   return prepare_with_uvs_of(
       mesh, {.mesh = mesh, .has_area = triangles_with_area(mesh), .joins = join_vertices(mesh)});
 }
@@ -64,8 +74,94 @@ std::vector<bool> poles(std::span<const Truth> truth) {
   return result;
 }
 
+MeshUnderTest restrict_to(const MeshUnderTest& whole, const Mesh& part,
+                          std::span<const std::uint32_t> vertices, std::span<const std::uint32_t> triangles,
+                          double max_angle_deg) {
+  MeshUnderTest under_test{.mesh = part};
+  under_test.normals.all_oppose = whole.normals.all_oppose;
+  under_test.cones = whole.cones.restricted_to(vertices, max_angle_deg);
+  under_test.mikktspace = whole.mikktspace.restricted_to(part, vertices, triangles);
+  const bool normals = !whole.mesh.normals.empty();
+  for (const std::uint32_t v : vertices) {
+    under_test.classes.of_vertex.push_back(whole.classes.of_vertex[v]);
+    under_test.across_mirror.push_back(whole.across_mirror[v]);
+    under_test.has_uv_area.push_back(whole.has_uv_area[v]);
+    if (normals) {
+      under_test.normals.unsupported.push_back(whole.normals.unsupported[v]);
+      under_test.normals.side.push_back(whole.normals.side[v]);
+      under_test.normals.may_be_meant.push_back(whole.normals.may_be_meant[v]);
+      under_test.normals.departing.push_back(whole.normals.departing[v]);
+      under_test.normals.drawn.push_back(whole.normals.drawn[v]);
+      under_test.normals.faceted_vertices.push_back(whole.normals.faceted_vertices[v]);
+    }
+    if (!whole.local.empty()) under_test.local.push_back(whole.local[v]);
+    if (!whole.between_parts.empty()) under_test.between_parts.push_back(whole.between_parts[v]);
+  }
+  std::unordered_map<std::int32_t, std::int32_t> island;
+  for (const std::uint32_t t : triangles) {
+    under_test.raw_sign.push_back(whole.raw_sign[t]);
+    under_test.has_area.push_back(whole.has_area[t]);
+    if (normals) {
+      under_test.normals.faceted.push_back(whole.normals.faceted[t]);
+      under_test.normals.opposing += whole.normals.opposes[t] ? 3 : 0;
+      under_test.normals.opposes.push_back(whole.normals.opposes[t]);
+    }
+    const std::int32_t of_whole = whole.classes.island_of_triangle[t];
+    const auto next = static_cast<std::int32_t>(island.size());
+    under_test.classes.island_of_triangle.push_back(
+        of_whole < 0 ? -1 : island.try_emplace(of_whole, next).first->second);
+  }
+  under_test.classes.islands = static_cast<std::int32_t>(island.size());
+  return under_test;
+}
+
+namespace {
+
+void append(const Mesh& other, Mesh& mesh) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  for (const auto& [a, b, c] : other.triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+  const auto add = [](const auto& from, auto& to) { to.insert(to.end(), from.begin(), from.end()); };
+  add(other.positions, mesh.positions);
+  add(other.normals, mesh.normals);
+  add(other.uvs, mesh.uvs);
+  add(other.tangents, mesh.tangents);
+}
+
+// As classify_vertices(), of the mesh and the triangles beside it, of which the mesh's own are kept.
+// MikkTSpace too may have been run over all of them.
+void classify_with_those_beside(MeshUnderTest& under_test, std::vector<bool> is_pole,
+                                const ValidateOptions& options) {
+  const Mesh& mesh = under_test.mesh;
+  Mesh both = mesh;
+  append(*options.beside, both);
+  MeshUnderTest extended = prepare_with_uvs_of(
+      both, {.mesh = both, .has_area = triangles_with_area(both), .joins = join_vertices(both)});
+  if (!under_test.mikktspace.empty())
+    extended.mikktspace = mikktspace_reference(both, both.uvs, options.threads);
+  if (!is_pole.empty()) is_pole.resize(both.positions.size(), false);
+  ValidateOptions alone = options;
+  alone.beside = nullptr;
+  classify_vertices(extended, is_pole, alone);
+  std::vector<std::uint32_t> vertices(mesh.positions.size()), triangles(mesh.triangles.size());
+  std::iota(vertices.begin(), vertices.end(), 0U);
+  std::iota(triangles.begin(), triangles.end(), 0U);
+  MeshUnderTest own = restrict_to(extended, mesh, vertices, triangles, options.max_angle_deg);
+  under_test.classes = std::move(own.classes);
+  under_test.normals = std::move(own.normals);
+  under_test.cones = std::move(own.cones);
+  if (!under_test.mikktspace.empty() &&
+      stored_corners(mesh, own.mikktspace) > stored_corners(mesh, under_test.mikktspace))
+    under_test.mikktspace = std::move(own.mikktspace);
+}
+
+}  // namespace
+
 void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_pole,
                        const ValidateOptions& options) {
+  if (options.beside && !options.beside->triangles.empty()) {
+    classify_with_those_beside(under_test, is_pole, options);
+    return;
+  }
   const Mesh& mesh = under_test.mesh;
   const VertexJoins& joins = under_test.joins;
   under_test.classes = classify(mesh, is_pole, under_test.raw_sign, joins);

@@ -55,6 +55,12 @@ void add_references(MeshUnderTest& under_test, const ValidateOptions& options);
 void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_pole,
                        const ValidateOptions& options);
 
+// The part under test, with what is known of the whole mesh. \param vertices, triangles which of the whole's
+// the part's are
+MeshUnderTest restrict_to(const MeshUnderTest& whole, const Mesh& part,
+                          std::span<const std::uint32_t> vertices, std::span<const std::uint32_t> triangles,
+                          double max_angle_deg);
+
 // Of each vertex whether the truth there is a pole's.
 std::vector<bool> poles(std::span<const Truth> truth);
 

@@ -48,14 +48,14 @@ struct EqualBits {
 
 // Which variant of MikkTSpace: the one that sorts all edges is run only where the original nearly gives what
 // is stored. \param near corners within a few roundings
-MikkVariant variant(const Mesh& mesh, std::span<const std::uint32_t> corners_of, std::size_t equal,
-                    std::size_t near, int threads) {
+MikkVariant variant(const Mesh& mesh, MikktspaceFaces faces, std::span<const std::uint32_t> corners_of,
+                    std::size_t equal, std::size_t near, int threads) {
   const std::size_t corners = mesh.corners();
   const auto share = [&](std::size_t n) { return static_cast<double>(n) / static_cast<double>(corners); };
   if (corners == 0) return MikkVariant::none;
   if (equal == corners) return MikkVariant::original;
   if (share(equal) >= 0.9) {
-    const MikktspaceReference sorted = mikktspace_reference(mesh, mesh.uvs, threads, true);
+    const MikktspaceReference sorted = mikktspace_reference(mesh, mesh.uvs, threads, faces, true);
     EqualBits bits;
     for_each_tangent(sorted, corners_of, [&](std::uint32_t v, const Vec4<float>& m, std::uint32_t alike) {
       bits.add(mesh.tangents[v], m, alike);
@@ -119,7 +119,8 @@ MikktspaceComparison compare_with_mikktspace(const MeshUnderTest& under_test,
   result.report.classes = sums.reports();
   if (mesh.corners() > 0)
     result.report.equal_bits = static_cast<double>(bits.more()) / static_cast<double>(mesh.corners());
-  result.report.variant = variant(mesh, corners_of, bits.more(), near, options.threads);
+  result.report.variant =
+      variant(mesh, under_test.mikktspace.faces(), corners_of, bits.more(), near, options.threads);
   return result;
 }
 

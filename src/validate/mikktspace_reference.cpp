@@ -5,8 +5,12 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <darboux/mikktspace.h>
+
+#include "mesh/quads.h"
+#include "rounding.h"
 
 namespace darboux {
 namespace {
@@ -16,10 +20,21 @@ bool same_bits(const Vec4<float>& a, const Vec4<float>& b) {
   return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
 }
 
+constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+bool has_quads(const Mesh& mesh) {
+  for (std::size_t t = 1; t < mesh.triangles.size(); ++t)
+    if (quad_of(mesh.triangles[t - 1], mesh.triangles[t])) return true;
+  return false;
+}
+
 }  // namespace
 
-MikktspaceReference::MikktspaceReference(const Mesh& mesh, std::span<const Vec4<float>> of_corner)
-    : of_vertex_(mesh.positions.size(), Vec4<float>{0, 0, 0, 0}), has_others_(mesh.positions.size(), false) {
+MikktspaceReference::MikktspaceReference(const Mesh& mesh, std::span<const Vec4<float>> of_corner,
+                                         MikktspaceFaces faces)
+    : faces_(faces),
+      of_vertex_(mesh.positions.size(), Vec4<float>{0, 0, 0, 0}),
+      has_others_(mesh.positions.size(), false) {
   std::vector<bool> seen(mesh.positions.size(), false);
   for (std::size_t c = 0; c < of_corner.size(); ++c) {
     const std::uint32_t v = mesh.triangles[c / 3][c % 3];
@@ -47,6 +62,7 @@ MikktspaceReference MikktspaceReference::restricted_to(const Mesh& part,
                                                        std::span<const std::uint32_t> triangles) const {
   MikktspaceReference result;
   if (empty()) return result;
+  result.faces_ = faces_;
   for (const std::uint32_t v : vertices) result.of_vertex_.push_back(of_vertex_[v]);
   result.has_others_.assign(vertices.size(), false);
   for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -61,7 +77,7 @@ MikktspaceReference MikktspaceReference::restricted_to(const Mesh& part,
 }
 
 MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads,
-                                         bool sort_all_edges) {
+                                         MikktspaceFaces faces, bool sort_all_edges) {
   const std::size_t n = mesh.positions.size();
   std::vector<float> positions(3 * n), normals(3 * n), texcoords(2 * n);
   std::vector<bool> finite(n);
@@ -85,27 +101,62 @@ MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<
     std::fill_n(&normals[3 * v], 3, 0.0f);
     std::fill_n(&texcoords[2 * v], 2, 0.0f);
   }
-  std::vector<std::uint32_t> corners;
+  const auto whole = [&](const Triangle& t) { return finite[t[0]] && finite[t[1]] && finite[t[2]]; };
+  std::vector<std::uint32_t> corners, place(mesh.corners(), none);  // place: of the mesh's in `corners`
+  std::vector<std::uint8_t> sizes;
   corners.reserve(mesh.corners());
+  const auto add_face = [&](const auto& face, std::size_t first, std::size_t triangles) {
+    for (std::size_t t = first; t < first + triangles; ++t)
+      for (std::size_t k = 0; k < 3; ++k)
+        place[3 * t + k] = static_cast<std::uint32_t>(
+            corners.size() + static_cast<std::size_t>(
+                                 std::find(face.begin(), face.end(), mesh.triangles[t][k]) - face.begin()));
+    corners.insert(corners.end(), face.begin(), face.end());
+    sizes.push_back(static_cast<std::uint8_t>(face.size()));
+  };
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& [a, b, c] = mesh.triangles[t];
-    if (finite[a] && finite[b] && finite[c]) corners.insert(corners.end(), {a, b, c});
+    if (!whole(mesh.triangles[t])) continue;
+    std::optional<std::array<std::uint32_t, 4>> quad;
+    if (faces == MikktspaceFaces::quads && t + 1 < mesh.triangles.size() && whole(mesh.triangles[t + 1]))
+      quad = quad_of(mesh.triangles[t], mesh.triangles[t + 1]);
+    if (quad)
+      add_face(*quad, t++, 2);
+    else
+      add_face(mesh.triangles[t], t, 1);
   }
   std::vector<Vec4<float>> result(mesh.corners(), Vec4<float>{0, 0, 0, 0});
-  if (corners.empty()) return {mesh, result};
-  mikktspace(MikkMesh{positions, normals, texcoords, corners, {}},
-             std::span<float>(&result[0].x, 4 * corners.size()),
+  if (corners.empty()) return {mesh, result, faces};
+  std::vector<Vec4<float>> of_faces(corners.size());
+  mikktspace(MikkMesh{positions, normals, texcoords, corners, sizes},
+             std::span<float>(&of_faces[0].x, 4 * corners.size()),
              {.sort_all_edges = sort_all_edges, .unserved_sign = 0, .threads = threads});
   // Along the normal, or of numbers whose squares vanish, it is no direction.
-  for (Vec4<float>& t : result)
+  for (Vec4<float>& t : of_faces)
     if (const float square = dot(t.xyz(), t.xyz()); !(square > 0.25f && square < 4)) t = {0, 0, 0, 0};
-  // To their triangles, from the last on, behind those that are left out.
-  for (std::size_t t = mesh.triangles.size(), next = corners.size(); next < 3 * t;) {
-    const auto& [a, b, c] = mesh.triangles[--t];
-    const bool whole = finite[a] && finite[b] && finite[c];
-    for (std::size_t k = 3; k-- > 0;) result[3 * t + k] = whole ? result[--next] : Vec4<float>{0, 0, 0, 0};
+  for (std::size_t c = 0; c < result.size(); ++c)
+    if (place[c] != none) result[c] = of_faces[place[c]];
+  return {mesh, result, faces};
+}
+
+std::size_t stored_corners(const Mesh& mesh, const MikktspaceReference& reference) {
+  constexpr double same = 1e-5;
+  std::size_t result = 0;
+  for (std::size_t c = 0; c < mesh.corners(); ++c) {
+    const std::uint32_t v = mesh.triangles[c / 3][c % 3];
+    const Vec4<float>& m = reference.at(c, v);
+    result +=
+        m.w != 0 && norm(unit(mesh.tangents[v].xyz()) - direction_of(m)) <= same + tangent_rounding(mesh, v);
   }
-  return {mesh, result};
+  return result;
+}
+
+MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads) {
+  MikktspaceReference of_triangles = mikktspace_reference(mesh, uvs, threads, MikktspaceFaces::triangles);
+  const std::size_t given = stored_corners(mesh, of_triangles);
+  if (given == mesh.corners() || !has_quads(mesh)) return of_triangles;
+  MikktspaceReference of_quads = mikktspace_reference(mesh, uvs, threads, MikktspaceFaces::quads);
+  const std::size_t by_quads = stored_corners(mesh, of_quads);
+  return by_quads > given && 2 * by_quads >= mesh.corners() ? of_quads : of_triangles;
 }
 
 }  // namespace darboux

@@ -10,6 +10,10 @@
 
 namespace darboux {
 
+// Blender and others run MikkTSpace on quads, where one half lends the other its winding and its weights, and
+// cut these into triangles afterwards. quads: two successive triangles are one where quad_of() says so.
+enum class MikktspaceFaces : std::uint8_t { triangles, quads };
+
 // MikkTSpace's tangent and raw sign of each corner, w = 0 where no triangle serves it or MikkTSpace's result
 // is no direction: zero, infinite, NaN. Nearly all corners of a vertex have the same: it is kept once, and
 // the others are listed.
@@ -23,9 +27,10 @@ class MikktspaceReference {
 
   MikktspaceReference() = default;
   // \param of_corner one per corner of the mesh
-  MikktspaceReference(const Mesh& mesh, std::span<const Vec4<float>> of_corner);
+  MikktspaceReference(const Mesh& mesh, std::span<const Vec4<float>> of_corner, MikktspaceFaces faces);
 
   bool empty() const { return of_vertex_.empty(); }
+  MikktspaceFaces faces() const { return faces_; }
   // That of all corners of the vertex except those in others(); w = 0 at vertices that no triangle uses.
   const Vec4<float>& of_vertex(std::uint32_t vertex) const { return of_vertex_[vertex]; }
   std::span<const Other> others() const { return others_; }  // corners in ascending order
@@ -36,6 +41,7 @@ class MikktspaceReference {
                                     std::span<const std::uint32_t> triangles) const;
 
  private:
+  MikktspaceFaces faces_ = MikktspaceFaces::triangles;
   std::vector<Vec4<float>> of_vertex_;
   std::vector<bool> has_others_;
   std::vector<Other> others_;
@@ -47,6 +53,12 @@ inline Vec3<double> direction_of(const Vec4<float>& tangent) {
 
 // MikkTSpace's under some uvs. Triangles with numbers that are not finite are left out.
 MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads,
-                                         bool sort_all_edges = false);
+                                         MikktspaceFaces faces, bool sort_all_edges = false);
+
+// The corners where the stored tangent has the reference's direction, up to rounding.
+std::size_t stored_corners(const Mesh& mesh, const MikktspaceReference& reference);
+
+// That of triangles, unless that of quads gives more of the stored tangents, and half of them or more.
+MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<double>> uvs, int threads);
 
 }  // namespace darboux

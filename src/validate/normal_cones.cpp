@@ -14,6 +14,7 @@
 
 #include "angles.h"
 #include "base/degrees.h"
+#include "mesh/quads.h"
 
 namespace darboux {
 namespace {
@@ -60,9 +61,9 @@ bool is_in_cone(const Vec3<double>& n, const Normals& of) {
 }
 
 // Whether the normals of vertices that are asked about lie in the cone of their own triangles' normals:
-// whether they are averages of these with positive weights of any kind. Blender weights a quad's normal by
-// its angle, which no weights of its two triangles do. At sharp ridges an average may be far from each of the
-// triangles; a normal that was turned is no average.
+// whether they are averages of these with positive weights of any kind. Both halves of a quad are at each of
+// its corners: Blender weights a quad's normal by its angle, which no weights of its two triangles do. At
+// sharp ridges an average may be far from each of the triangles; a normal that was turned is no average.
 std::vector<bool> lie_in_normal_cones(const Mesh& mesh, const VertexJoins& joins,
                                       const std::vector<bool>& vertices) {
   struct Group {
@@ -72,19 +73,27 @@ std::vector<bool> lie_in_normal_cones(const Mesh& mesh, const VertexJoins& joins
   std::map<std::uint32_t, Group> groups;  // by what joins vertices of one place and normal
   for (std::uint32_t v = 0; v < vertices.size(); ++v)
     if (vertices[v]) groups[joins.position_and_normal[v]];
+  const auto add = [&](std::uint32_t v, const Triangle& t) {
+    const auto found = groups.find(joins.position_and_normal[v]);
+    if (found == groups.end() || found->second.normals.size() >= most_normals) return;
+    Normals& kept = found->second.normals;
+    const Vec3<double>& p = mesh.positions[t[0]];
+    const Vec3<double> plane = unit(accurate_cross(mesh.positions[t[1]] - p, mesh.positions[t[2]] - p));
+    const double as_near = kept.size() < many ? alike : near;
+    if (dot(plane, plane) > 0.5 && std::none_of(kept.begin(), kept.end(), [&](const auto& other) {
+          return dot(other, plane) > as_near;
+        }))
+      kept.push_back(plane);
+  };
   for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t v : t) {
-      const auto found = groups.find(joins.position_and_normal[v]);
-      if (found == groups.end() || found->second.normals.size() >= most_normals) continue;
-      Normals& kept = found->second.normals;
-      const Vec3<double>& p = mesh.positions[t[0]];
-      const Vec3<double> plane = unit(accurate_cross(mesh.positions[t[1]] - p, mesh.positions[t[2]] - p));
-      const double as_near = kept.size() < many ? alike : near;
-      if (dot(plane, plane) > 0.5 && std::none_of(kept.begin(), kept.end(), [&](const auto& other) {
-            return dot(other, plane) > as_near;
-          }))
-        kept.push_back(plane);
-    }
+    for (const std::uint32_t v : t) add(v, t);
+  for (std::size_t t = 1; t < mesh.triangles.size(); ++t) {
+    const Triangle &x = mesh.triangles[t - 1], &y = mesh.triangles[t];
+    const auto quad = quad_of(x, y);
+    if (!quad) continue;
+    for (const std::uint32_t v : *quad) add(v, x), add(v, y);
+    ++t;
+  }
   std::vector<bool> result(vertices.size(), false);
   for (std::uint32_t v = 0; v < vertices.size(); ++v) {
     if (!vertices[v]) continue;

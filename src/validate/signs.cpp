@@ -49,9 +49,18 @@ bool Signs::counts(std::uint32_t t) const {
          certain_sign(under_test_.mesh, under_test_.mesh.triangles[t], 0) != 0;
 }
 
+bool Signs::follows_other_half(std::uint32_t t, std::uint32_t v) const {
+  const MikktspaceReference& mikktspace = under_test_.mikktspace;
+  if (mikktspace.empty() || mikktspace.faces() != MikktspaceFaces::quads) return false;
+  const Triangle& triangle = under_test_.mesh.triangles[t];
+  const auto k = static_cast<std::size_t>(std::find(triangle.begin(), triangle.end(), v) - triangle.begin());
+  return mikktspace.at(3 * std::size_t{t} + k, v).w * static_cast<float>(under_test_.raw_sign[t]) < 0;
+}
+
 bool Signs::counts(std::uint32_t t, std::uint32_t v) const {
   if (!checks_[v].sign_valid || !checks_[v].has_tangent) return false;
   if (!all_round_.empty() && all_round_[signed_index(v, under_test_.raw_sign[t])]) return false;
+  if (follows_other_half(t, v)) return false;
   if (!checks_[v].has_normal || under_test_.normals.all_oppose) return true;
   const Mesh& mesh = under_test_.mesh;
   const Vec3<double> plane = area_vector(mesh, mesh.triangles[t]);

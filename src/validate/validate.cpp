@@ -305,7 +305,7 @@ void MeshValidation::count_vertex(std::uint32_t v) {
     if (!is_pole(v) && ((a.normal >= 0 && normal == Claim::none) ||
                         (a.tangent >= 0 && tangent == Claim::none && !is_unseen(v))))
       undecided_ += corners;
-    if (accurate_.inward(v)) report_.inward += corners;
+    if (accurate_.has_sides() && accurate_.inward(v)) report_.inward += corners;
   }
   if (smooth_.known() && (smooth_.normals[v] != Claim::none || smooth_.tangents[v] != Claim::none))
     locally_ += corners;
@@ -374,7 +374,7 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Corner
   };
   const Angles surface = accurate_.known() ? accurate_.angles(v) : Angles{};
   if (is_pole(v) && surface.tangent > limit_of(v)) warn(counts.poles, surface.tangent);
-  if (checks_[v].leans || (checks_[v].along_normal && is_unseen(v))) counts.leaning += group.corners;
+  if (checks_[v].leans && !is_unseen(v)) counts.leaning += group.corners;
   if (is_unsupported(v) && may_be_lit_otherwise(v)) counts.lit_otherwise += group.corners;
   // At a border exact normals of coarse sheets are as far.
   const bool is_told = accurate_.known() || classes_.of_vertex[v] == VertexClass::border ||

@@ -232,6 +232,15 @@ TEST(Validate, AnInsideOutMeshIsComparedWithTheInwardNormal) {
   EXPECT_LE(class_of(report, VertexClass::interior).normal_deg->max, 1e-12);
 }
 
+// A plane has no inside: which way it should face, nobody knows.
+TEST(Validate, APlaneFacesEitherWay) {
+  Mesh mesh = sample_mesh(make_surface("plane"), {.columns = 4, .rows = 4});
+  EXPECT_EQ(assess(mesh).report.inward, 0U);
+  for (auto& n : mesh.normals) n = -n;
+  for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+  EXPECT_EQ(assess(mesh).report.inward, 0U);
+}
+
 // Normals alone turned over are wrong, not a mesh seen from inside.
 TEST(Validate, InvertedNormalsAreFound) {
   Mesh mesh = sample_mesh(Torus{1.0, 0.4}, {.columns = 16, .rows = 9});

@@ -1,0 +1,108 @@
+// Surfaces that are cut into primitives, as at the borders of materials: averages at a primitive's border may
+// be over the others' triangles too.
+#include "assets/triangles_beside.h"
+
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <darboux/assess.h>
+#include <darboux/error.h>
+#include <darboux/frame.h>
+#include <darboux/io.h>
+#include <darboux/mesh_frames.h>
+#include <darboux/vertex_normals.h>
+
+namespace darboux::triangles_beside_test {
+namespace {
+
+using V = Vec3<double>;
+
+std::string said(const MeshReport& report) {
+  std::string text;
+  for (const Finding& f : report.findings)
+    if (f.severity != Severity::info) text += std::string(f.code) + ": " + f.message + '\n';
+  return text;
+}
+
+// A smooth octahedron, flattened, with averages of all its triangles for normals; each triangle k is one of
+// primitive k % primitives.
+std::vector<Primitive> flattened(std::size_t primitives) {
+  const V x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 0.3};
+  const V corner[] = {x, y, -x, -y, z, -z};
+  const Triangle faces[] = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4},
+                            {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}};
+  V normals[6] = {};
+  for (const Triangle& t : faces)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const V &p = corner[t[k]], a = corner[t[(k + 1) % 3]] - p, b = corner[t[(k + 2) % 3]] - p;
+      normals[t[k]] = normals[t[k]] + std::atan2(norm(cross(a, b)), dot(a, b)) * unit(cross(a, b));
+    }
+  std::vector<Primitive> result(primitives);
+  for (std::size_t t = 0; t < 8; ++t) {
+    Primitive& p = result[t % primitives];
+    p.primitive = t % primitives;
+    Mesh& mesh = p.data;
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    for (const std::uint32_t v : faces[t]) {
+      mesh.positions.push_back(corner[v]);
+      mesh.normals.push_back(unit(normals[v]));
+    }
+  }
+  return result;
+}
+
+TEST(TrianglesBeside, AreThoseThatShareAVertex) {
+  const std::vector<Primitive> primitives = flattened(4);
+  const std::vector<Mesh> beside = triangles_beside(primitives);
+  ASSERT_EQ(beside.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    // Each primitive has two triangles, k and k + 4, whose vertices all others share.
+    EXPECT_EQ(beside[i].triangles.size(), 6U);
+    EXPECT_EQ(beside[i].normals.size(), beside[i].positions.size());
+    EXPECT_NO_THROW(check_consistent(beside[i], "beside"));
+  }
+  std::vector<Primitive> apart = primitives;
+  for (std::size_t i = 0; i < 4; ++i) apart[i].mesh = i;
+  for (const Mesh& mesh : triangles_beside(apart)) EXPECT_TRUE(mesh.triangles.empty());
+  for (Primitive& p : apart) p.name = "Cube";
+  EXPECT_EQ(triangles_beside(apart)[0].triangles.size(), 6U);
+}
+
+TEST(TrianglesBeside, ManyPrimitivesOfTheSameVerticesAreNoBorder) {
+  std::vector<Primitive> same(20, flattened(1)[0]);
+  for (std::size_t i = 0; i < same.size(); ++i) same[i].primitive = i;
+  for (const Mesh& mesh : triangles_beside(same)) EXPECT_TRUE(mesh.triangles.empty());
+}
+
+// Alone, each primitive has normals that are no averages of its own triangles, as many as 80 degrees away.
+TEST(TrianglesBeside, AveragesOverAllPrimitivesAreRight) {
+  const std::vector<Primitive> primitives = flattened(4);
+  const std::vector<Mesh> beside = triangles_beside(primitives);
+  std::string alone, together;
+  for (std::size_t i = 0; i < primitives.size(); ++i) {
+    alone += said(assess(primitives[i].data).report);
+    AssessOptions options;
+    options.beside = &beside[i];
+    together += said(assess(primitives[i].data, options).report);
+    EXPECT_NE(assess(primitives[i].data, options).report.verdict, Verdict::fail);
+  }
+  EXPECT_NE(alone, "");
+  EXPECT_EQ(together, "");
+}
+
+TEST(TrianglesBeside, HaveTheMeshsAttributes) {
+  const std::vector<Primitive> primitives = flattened(2);
+  Mesh other = primitives[1].data;
+  other.normals.clear();
+  AssessOptions options;
+  options.beside = &other;
+  EXPECT_THROW(assess(primitives[0].data, options), MeshError);
+}
+
+}  // namespace
+}  // namespace darboux::triangles_beside_test
