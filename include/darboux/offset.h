@@ -16,10 +16,11 @@ namespace darboux {
 /// The parallel surface P + d n at signed distance d along the base's normal. n is the base's; the handedness
 /// turns over where d passes a focal point, d κ > 1 for one principal curvature κ. The partials need third
 /// derivatives of the base: nested dual numbers over its normal, some twenty times the cost. Principal
-/// curvatures κ / (1 - d κ). At a focal point of dpdu there is no frame (no_frame, dpdu_zero); at one of
-/// dpdv the frame is the base's (limit_frame, dpdv_zero). At a conical point of the base n turns with u, and
-/// the parallel surface is regular. Where the base's frame is a limit that d2pduv does not give, there is a
-/// position and no frame. [doCarmo2016, sec. 3-5]
+/// curvatures κ / (1 - d κ). At a focal point of dpdu there is no frame (no_frame, dpdu_zero), and beside it
+/// t has lost digits (ill_conditioned from half of them on); at one of dpdv the frame is the base's
+/// (limit_frame, dpdv_zero). At a conical point of the base n turns with u, and the parallel surface is
+/// regular. Where the base's frame is a limit that d2pduv does not give, there is a position and no frame.
+/// [doCarmo2016, sec. 3-5]
 template <class X, class T = double>
 struct Offset {
   X base;
@@ -30,6 +31,11 @@ struct Offset {
   std::string refusal() const {
     if (!std::isfinite(distance)) return "the distance: expected a finite number, got NaN or infinity";
     return detail::base_refusal(base);
+  }
+
+  template <class F>
+  void for_each_own_number(const F& f) const {
+    f(distance);
   }
 
   template <class PU, class PV>
@@ -69,17 +75,21 @@ struct Offset {
     if (!detail::finite(j.dpdu) || !detail::finite(j.dpdv))
       return Frame<S>{f.t, f.b, f.n, f.handedness, f.status};  // as the base's do
     const bool u_collapsed = has(at, Status::dpdu_zero), v_collapsed = has(at, Status::dpdv_zero);
-    const Vec3<S> along_u = u_collapsed ? limit(f.t) : j.dpdu,
-                  along_v = v_collapsed ? limit(f.handedness * f.b) : j.dpdv;
-    Frame<S> result{unit(along_u), {}, f.n, f.handedness, at & (detail::degenerate | Status::crease)};
-    if (has(at, detail::degenerate)) result.status |= Status::limit_frame;
+    const Vec3<S> along_v = v_collapsed ? limit(f.handedness * f.b) : j.dpdv;
+    Along<S> along_u = along(of_base, f);
+    if (!detail::finite(along_u.direction))
+      along_u = u_collapsed ? in_plane(limit(f.t), of_base.d2pduv, f) : in_plane(j.dpdu, of_base.dpdu, f);
     // At a focal point a partial is a difference of equal ones: what rounding leaves has no direction.
     constexpr S rounding = S(64) * std::numeric_limits<S>::epsilon();
-    if (!u_collapsed && !(norm(j.dpdu) > rounding * norm(of_base.dpdu))) {
-      result.t = result.b = result.n = detail::nan_vector<S>();
-      result.status = Status::no_frame | Status::dpdu_zero;
-      return result;
+    if (!(along_u.length > rounding * along_u.terms)) {
+      Frame<S> none = detail::no_frame<S>();
+      none.status |= Status::dpdu_zero;
+      return none;
     }
+    Frame<S> result{along_u.direction, {}, f.n, f.handedness, at & (detail::degenerate | Status::crease)};
+    if (has(at, detail::degenerate)) result.status |= Status::limit_frame;
+    const S left = along_u.length / along_u.terms;
+    if (left * left < std::numeric_limits<S>::epsilon()) result.status |= Status::ill_conditioned;
     result.b = unit(accurate_cross(result.n, result.t));
     // The base's handedness, turned over with each focal point passed.
     if (has(at, Status::parallel)) {
@@ -91,7 +101,7 @@ struct Offset {
         if ((one - d * s.a) * (one - d * s.c) < d * s.m * (d * s.m)) result.handedness = -f.handedness;
       }
     } else {
-      const S sine = dot(accurate_cross(unit(along_u), unit(along_v)), f.n);
+      const S sine = dot(accurate_cross(result.t, unit(along_v)), f.n);
       result.handedness = sine < S(0) ? S(-1) : S(1);
       if (!v_collapsed &&
           !(norm(j.dpdv) > rounding * norm(of_base.dpdv)))  // the frame is the base's all the same
@@ -131,6 +141,30 @@ struct Offset {
   }
 
  private:
+  // The unit vector along dpdu, the length of that over its length on the base, and the terms it is made of.
+  template <class S>
+  struct Along {
+    Vec3<S> direction;
+    S length, terms;
+  };
+  // dpdu = e ((1 - d a) t - d m b) by the base's shape operator: in the tangent plane, however much cancels.
+  // NaN where the base is singular.
+  template <class S>
+  Along<S> along(const Jet2<S>& of_base, const Frame<S>& f) const {
+    if (has(f.status, detail::degenerate)) return {detail::nan_vector<S>(), S(0), S(0)};
+    const ShapeOperator<S> s = shape_operator(of_base, f);
+    const S d = lift<S>(distance), side = std::copysign(S(1), s.e);
+    const S noise = S(16) * std::numeric_limits<S>::epsilon() * s.m_size;
+    const S x = S(1) - d * s.a, y = std::fabs(s.m) <= noise ? S(0) : d * s.m;
+    const Vec3<S> sum = x * f.t - y * f.b;
+    return {side * unit(sum), norm(sum), S(1) + std::fabs(d) * (s.a_size + s.m_size)};
+  }
+  // The same from dpdu or its limit, without what rounding leaves along n.
+  template <class S>
+  static Along<S> in_plane(const Vec3<S>& partial, const Vec3<S>& of_base, const Frame<S>& f) {
+    const Vec3<S> sum = dot(partial, f.t) * f.t + dot(partial, f.b) * f.b;
+    return {unit(sum), norm(sum), std::fmax(norm(sum), norm(of_base))};
+  }
   // What is left of the base's bits.
   template <class PU, class PV>
   Status still_singular(Status at, const PU& u, const PV& v) const {

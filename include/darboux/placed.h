@@ -2,10 +2,8 @@
 /// Surfaces placed in space by an affine map.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -40,6 +38,12 @@ struct Placed {
     return detail::base_refusal(base);
   }
 
+  template <class F>
+  void for_each_own_number(const F& f) const {
+    for (const T& x : A) f(x);
+    for (const T& x : {translation.x, translation.y, translation.z}) f(x);
+  }
+
   template <class PU, class PV>
   auto jet(const PU& u, const PV& v) const {
     auto j = base.jet(u, v);
@@ -56,6 +60,13 @@ struct Placed {
     if (has(f.status, Status::no_frame)) return f;
     const auto [n, sign] = transformed(f.n);
     Frame<S> result{unit(map(f.t)), {}, n, sign * f.handedness, f.status};
+    // A singular A (checked() refuses it) may leave nothing.
+    if (result.n == Vec3<S>{} || result.t == Vec3<S>{}) {
+      result = detail::no_frame<S>();
+      result.status |=
+          (f.status & detail::degenerate) | (map(f.t) == Vec3<S>{} ? Status::dpdu_zero : Status::parallel);
+      return result;
+    }
     result.b = unit(accurate_cross(result.n, result.t));
     return result;
   }
@@ -103,9 +114,9 @@ struct Placed {
   // those of the inverse transpose: its sign is put back. A is scaled to ordinary size first.
   template <class S>
   std::pair<Vec3<S>, S> transformed(const Vec3<S>& n) const {
-    int e = std::numeric_limits<int>::min();
-    for (const T& x : A)
-      if (const double size = detail::size_of(x); size > 0) e = std::max(e, std::ilogb(size));
+    double largest = 0;
+    for (const T& x : A) largest = std::fmax(largest, detail::size_of(x));
+    const int e = largest > 0 ? std::ilogb(largest) : 0;
     const auto column = [&](std::size_t k) {
       return detail::scaled_by_power_of_two(Vec3<S>{lift<S>(A[k]), lift<S>(A[k + 3]), lift<S>(A[k + 6])}, -e);
     };

@@ -1,7 +1,8 @@
 /// \file point.h
 /// Evaluates a surface at one point (u, v): partials, frames, status. Nothing here throws or logs. Without
 /// NDEBUG, frame(), parametric_frame() and sample() of a surface end the program where checked() of surface.h
-/// refuses it, if all its parameters are finite and of type double; jet() and status() do not check.
+/// refuses it, if it has parameters (an adaptor its own numbers), all finite and of type double; jet() and
+/// status() do not check.
 #pragma once
 
 #include <cmath>
@@ -46,15 +47,6 @@ Status status_of_point(const X& surface, S u, S v, const PU& pu, const PV& pv) {
   return result;
 }
 
-// Whether all parameters are finite, those of an adaptor's base too.
-template <class X>
-bool parameters_are_finite(const X& surface) {
-  bool finite = true;
-  for_each_parameter<X>(
-      [&](const auto& p) { finite = finite && std::isfinite(static_cast<double>(p.of(surface))); });
-  if constexpr (requires { surface.base; }) finite = finite && parameters_are_finite(surface.base);
-  return finite;
-}
 // What status() says of (u, v) given prepared, whatever the parameters.
 template <class X, std::floating_point S, class PU, class PV>
 Status status_at(const X& surface, S u, S v, const PU& pu, const PV& pv) {

@@ -40,6 +40,12 @@ struct Reparametrised {
     return detail::base_refusal(base);
   }
 
+  template <class F>
+  void for_each_own_number(const F& f) const {
+    for (const T& x : M) f(x);
+    for (const T& x : offset) f(x);
+  }
+
   template <class S>
   Jet2<S> jet(const S& u, const S& v) const {
     const auto [pu, pv] = inside(u, v);
@@ -79,6 +85,14 @@ struct Reparametrised {
     const Status at = detail::declared(base, pu, pv);
     const Frame<S> f = detail::frame_at<S>(base, pu, pv, at);
     if (has(f.status, Status::no_frame)) return f;
+    const T determinant = scaled_determinant();
+    if (!(determinant > T(0) || determinant < T(0))) {  // a singular M, which checked() refuses
+      Frame<S> none = detail::no_frame<S>();
+      none.status |= M[0] == T(0) && M[2] == T(0)   ? Status::dpdu_zero
+                     : M[1] == T(0) && M[3] == T(0) ? Status::dpdv_zero
+                                                    : Status::parallel;
+      return none;
+    }
     const S a = lift<S>(M[0]), c = lift<S>(M[2]), one = lift<S>(1.0);
     const Jet2<S> j = base.jet(pu, pv);
     Vec3<S> t;
@@ -95,7 +109,7 @@ struct Reparametrised {
       t = unit(a * j.dpdu + c * j.dpdv);
     }
     const Vec3<S> b = t == f.t ? f.b : t == -f.t ? -f.b : unit(accurate_cross(f.n, t));
-    return {t, b, f.n, scaled_determinant() < 0 ? -f.handedness : f.handedness, mapped_status(f.status)};
+    return {t, b, f.n, determinant < T(0) ? -f.handedness : f.handedness, mapped_status(f.status)};
   }
 
   /// As the base has it (detail::limit_direction).

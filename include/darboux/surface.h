@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -42,7 +43,7 @@ enum class Status : std::uint32_t {
   outside_domain = 1u << 8,     ///< a non-periodic coordinate outside [0, 1]: the analytic extension is given
   non_finite_input = 1u << 9,   ///< u, v or a parameter is NaN or infinite: the vectors are NaN
   overflow = 1u << 10,          ///< a position or partial is not finite: beyond the scalar's range, or NaN
-  ill_conditioned = 1u << 11,   ///< the frame is made of partials and known to fewer than half the digits
+  ill_conditioned = 1u << 11,   ///< the frame is known to fewer than half the digits
 };
 constexpr Status operator|(Status a, Status b) {
   return static_cast<Status>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -447,21 +448,34 @@ const X& checked(const X& surface) {
 
 namespace detail {
 
+// Calls f(number) for each parameter, and for each number of an adaptor and its base.
+template <class X, class F>
+void for_each_number(const X& surface, const F& f) {
+  for_each_parameter<X>([&](const auto& p) { f(p.of(surface)); });
+  if constexpr (requires { surface.for_each_own_number(f); }) surface.for_each_own_number(f);
+  if constexpr (requires { surface.base; }) for_each_number(surface.base, f);
+}
+
+// Whether they are all finite.
+template <class X>
+bool parameters_are_finite(const X& surface) {
+  bool finite = true;
+  for_each_number(surface, [&](const auto& x) { finite = finite && std::isfinite(static_cast<double>(x)); });
+  return finite;
+}
+
 // Ends a program built without NDEBUG that evaluates a surface whose parameters checked() refuses, with its
 // message, as assert does; nothing with NDEBUG. Numbers that are not finite have their status.
 template <class X>
 void assert_permitted([[maybe_unused]] const X& surface) noexcept {
 #ifndef NDEBUG
-  if constexpr (HasParameters<X>) {
-    bool judged = true;
-    for_each_parameter<X>([&](const auto& p) {
-      if constexpr (std::same_as<std::remove_cvref_t<decltype(p.of(surface))>, double>)
-        judged = judged && p.of(surface) - p.of(surface) == 0;
-      else
-        judged = false;
-    });
-    if (judged) checked(surface);  // thrown out of noexcept: std::terminate
-  }
+  bool any = false, doubles = true;
+  for_each_number(surface, [&](const auto& x) {
+    any = true;
+    doubles = doubles && std::same_as<std::remove_cvref_t<decltype(x)>, double>;
+  });
+  if (any && doubles && parameters_are_finite(surface))
+    checked(surface);  // thrown out of noexcept: std::terminate
 #endif
 }
 

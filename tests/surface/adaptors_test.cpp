@@ -187,6 +187,53 @@ TEST(Base, IsCheckedByItsAdaptors) {
   EXPECT_EQ(frame(Placed{swapped(torn), rotation, {0, 0, 0}}, 0.1, 0.2).status, Status::non_finite_input);
 }
 
+// ---- numbers that checked() refuses -----------------------------------------------------------------------
+
+template <class X>
+void expect_no_frame(const X& surface, Status why) {
+  Random random(31);
+  for (int i = 0; i < 20; ++i) {
+    const Frame<double> f = frame(surface, random.uniform(), random.uniform(0.1, 0.9));
+    EXPECT_EQ(f.status & why, why) << surface.info.name;
+    EXPECT_TRUE(std::isnan(f.t.x) && std::isnan(f.b.y) && std::isnan(f.n.z)) << surface.info.name;
+  }
+}
+
+TEST(Adaptors, WithNumbersThatAreNotFiniteHaveNoFrame) {
+  const Sphere sphere{1.0};
+  const double nan_value = std::numeric_limits<double>::quiet_NaN(),
+               infinity = std::numeric_limits<double>::infinity();
+  using Chart = Reparametrised<Sphere<double>>;
+  for (const double x : {nan_value, infinity, -infinity}) {
+    expect_no_frame(Offset{sphere, x}, Status::non_finite_input);
+    expect_no_frame(swapped(Offset{sphere, x}), Status::non_finite_input);
+    expect_no_frame(Placed{sphere, rotation, {0, x, 0}}, Status::non_finite_input);
+    expect_no_frame(Placed{sphere, Linear{1, 0, 0, 0, x, 0, 0, 0, 1}, {0, 0, 0}}, Status::non_finite_input);
+    expect_no_frame(Chart{sphere, {1, 0, 0, x}, {0, 0}}, Status::non_finite_input);
+    expect_no_frame(Chart{sphere, {1, 0, 0, 1}, {x, 0}}, Status::non_finite_input);
+  }
+}
+
+// Without NDEBUG these end the program, as parameters out of range do.
+TEST(AdaptorsDeathTest, ThatAreSingularHaveNoFrame) {
+  const Sphere sphere{1.0};
+  using Chart = Reparametrised<Sphere<double>>;
+  const Placed nothing{sphere, Linear{}, {0, 0, 0}},
+      line{sphere, Linear{1, 2, 3, 2, 4, 6, -1, -2, -3}, {0, 0, 0}};
+  const Chart point{sphere, {0, 0, 0, 0}, {0.1, 0.2}}, curve{sphere, {1, 2, 2, 4}, {0, 0}},
+      meridian = sub_rectangle(sphere, 0.5, 0.5, 0, 1);
+#ifndef NDEBUG
+  EXPECT_DEATH(frame(nothing, 0.1, 0.2), "the placement");
+  EXPECT_DEATH(frame(curve, 0.1, 0.2), "the map of");
+  EXPECT_DEATH(frame(Offset{Torus{1.0, -0.5}, 0.1}, 0.1, 0.2), "minor_radius");
+#else
+  for (const Placed<Sphere<double>>& placed : {nothing, line}) expect_no_frame(placed, Status::no_frame);
+  expect_no_frame(point, Status::no_frame);
+  expect_no_frame(curve, Status::no_frame | Status::parallel);
+  expect_no_frame(meridian, Status::no_frame | Status::dpdu_zero);
+#endif
+}
+
 // ---- Gauss-Bonnet -----------------------------------------------------------------------------------------
 
 // ∫ K dA = 2π χ to 1e-10 over closed surfaces and their parallel surfaces within the focal distance.

@@ -1,5 +1,6 @@
 // Offset: parallel surfaces, their curvatures, and what happens at focal points.
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -131,6 +132,44 @@ TEST(Offset, AtItsFocalPointsSaysSo) {
     EXPECT_TRUE(has(f.status, Status::limit_frame) && has(f.status, Status::dpdv_zero));
     EXPECT_LE(norm(f.t - frame(Torus{1.0, 0.25}, u, v).t), 16 * roundoff);
   }
+}
+
+// Beside a focal curve dpdu is a difference of nearly equal numbers: the frame is orthonormal all the same, t
+// has half its digits, or the status says that it has not.
+template <class S>
+void expect_orthonormal_beside_focal_points(double d) {
+  const Offset<Torus<S>, S> offset{{S(1), S(0.4)}, static_cast<S>(d)};
+  const S u_roundoff = std::numeric_limits<S>::epsilon() / 2;
+  Random random(33);
+  for (int i = 0; i < 2000; ++i) {
+    const S u = static_cast<S>(random.uniform()),
+            v = static_cast<S>(i % 2 == 0 ? random.log_uniform(1e-9, 0.5) : 0.0683988 + 1e-6 * i / 2000);
+    const Frame<S> f = frame(offset, u, v);
+    if (has(f.status, Status::no_frame)) continue;
+    for (const S off : {dot(f.t, f.n), dot(f.b, f.n), dot(f.t, f.b), norm(f.t) - 1, norm(f.b) - 1})
+      ASSERT_LE(std::fabs(off), 8 * u_roundoff) << "d = " << d << ", v = " << v;
+    const Frame<S> base = frame(offset.base, u, v);
+    const S along = dot(f.t, base.t) < 0 ? S(-1) : S(1);  // on a torus t stays parallel
+    if (has(f.status, Status::ill_conditioned)) continue;
+    ASSERT_LE(norm(f.t - along * base.t), std::sqrt(u_roundoff)) << "d = " << d << ", v = " << v;
+  }
+}
+TEST(Offset, IsOrthonormalBesideFocalPoints) {
+  for (const double d : {-3.0, -1.5, -1.4, -0.5, -0.45, 1.0, 3.0}) {
+    expect_orthonormal_beside_focal_points<double>(d);
+    expect_orthonormal_beside_focal_points<float>(d);
+  }
+}
+
+TEST(Offset, BesideItsFocalPointsIsIllConditioned) {
+  const Offset<Torus<float>, float> torus{{1.0F, 0.4F}, -1.5F};
+  EXPECT_EQ(frame(torus, 0.3F, 0.0683988F).status, Status::ill_conditioned);
+  EXPECT_EQ(frame(torus, 0.3F, 0.08F).status, Status::regular);
+  EXPECT_EQ(frame(Offset{Sphere{1.0}, -1 + 1e-9}, 0.3, 0.4).status, Status::ill_conditioned);
+  EXPECT_EQ(frame(Offset{Sphere{1.0}, -1 + 1e-6}, 0.3, 0.4).status, Status::regular);
+  // At the pole, and where the distance is that of the focal point there, t is no more known.
+  EXPECT_TRUE(has(frame(Offset{Sphere{1.0}, -1 + 1e-9}, 0.3, 0.0).status, Status::ill_conditioned));
+  EXPECT_TRUE(has(frame(Offset{Sphere{2.0}, -2.0}, 0.3, 0.0).status, Status::no_frame));
 }
 
 }  // namespace
