@@ -2,6 +2,7 @@
 /// A number of 40 decimal digits: the oracle against which double is measured.
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 
 #include <darboux/scalar.h>
@@ -16,6 +17,11 @@ class Multiprecision {
  public:
   Multiprecision();
   Multiprecision(double x);  // NOLINT: every double is such a number
+  /// Exact, too. A template: whole numbers stay doubles.
+  template <std::same_as<long double> L>
+  Multiprecision(L x) : Multiprecision() {  // NOLINT
+    assign(x);
+  }
   Multiprecision(const Multiprecision& x);
   Multiprecision& operator=(const Multiprecision& x);
   ~Multiprecision() = default;
@@ -49,6 +55,7 @@ class Multiprecision {
 
  private:
   struct Access;
+  void assign(long double x);
   alignas(16) std::byte storage_[64];
 };
 

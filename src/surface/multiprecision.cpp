@@ -85,6 +85,9 @@ Multiprecision::Multiprecision() {
 Multiprecision::Multiprecision(double x) {
   new (storage_) Number(x);
 }
+void Multiprecision::assign(long double x) {
+  Access::of(*this) = Number(x);
+}
 Multiprecision::Multiprecision(const Multiprecision& x) {
   new (storage_) Number(Access::of(x));
 }

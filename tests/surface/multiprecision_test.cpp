@@ -67,6 +67,16 @@ TEST(Multiprecision, SineAndCosineAgreeWithBoost) {
   }
 }
 
+TEST(Multiprecision, TakesLongDoublesExactly) {
+  const long double values[] = {1.0L / 3, std::numeric_limits<long double>::max(),
+                                std::numeric_limits<long double>::denorm_min(), -0x1.000000000001p-70L};
+  for (const long double x : values) EXPECT_EQ(static_cast<long double>(Multiprecision(x)), x);
+  const bool wider = std::numeric_limits<long double>::digits > std::numeric_limits<double>::digits;
+  EXPECT_EQ(Multiprecision(1.0L / 3) == Multiprecision(1.0 / 3), !wider);
+  EXPECT_FALSE(isfinite(Multiprecision(std::numeric_limits<long double>::infinity())));
+  EXPECT_TRUE(Multiprecision(2) == Multiprecision(2.0F));
+}
+
 TEST(Multiprecision, QuarterTurnsAreExact) {
   for (int k = -8; k <= 8; ++k) {
     const Turn<Multiprecision> many = sincos_turns(Multiprecision(k / 4.0));
