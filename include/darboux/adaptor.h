@@ -2,7 +2,8 @@
 /// What all adaptors share, the surfaces that are made from other surfaces: placed.h, reparametrised.h,
 /// offset.h, from_position.h. An adaptor is itself a surface type, so adaptors compose, and every law of
 /// testing.h holds for them. They keep the base's normal (Placed transforms it by the inverse transpose). A
-/// flip, swap or mirror negates the handedness, never the normal.
+/// flip, swap or mirror negates the handedness, never the normal. An adaptor hands its own numbers to
+/// for_each_own_number(f), so that NaN and infinity among them have their status.
 #pragma once
 
 #include <algorithm>

@@ -139,9 +139,12 @@ class AnySurface {
     return model ? &model->surface : nullptr;
   }
 
-  /// "torus:major_radius=1,minor_radius=0.4": the name with all parameters; make_surface() of this text gives
-  /// the same bits. For a surface from a file: "formula:file=my.surface,a=3". \param digits significant
-  /// digits, for people to read; 0: as many as the same bits take
+  /// "torus:major_radius=1,minor_radius=0.4": the name with all parameters; for a surface from a file
+  /// "formula:file=my.surface,a=3". make_surface() of this text gives the same bits where all that the
+  /// surface is made of are parameters or the file: not where it has points or curves of its own (splines,
+  /// tubes), of which only the name and the parameters are told, nor for adaptors, of which only the name is
+  /// ("offset torus"), nor for types outside the catalogue. \param digits significant digits, for people to
+  /// read; 0: as many as the same bits take
   std::string specification(int digits = 0) const;
 
  private:

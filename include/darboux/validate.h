@@ -196,6 +196,8 @@ struct ValidateOptions {
 /// of range
 MeshReport validate(const Mesh& mesh, std::span<const Truth> truth, const ValidateOptions& options = {});
 
+/// The normals and tangents of the surface at each vertex's uv are the truth. Positions are not compared with
+/// the surface: assess() of assess.h does that and reports SURFACE_MISMATCH.
 /// \param truth the surface the mesh was made from, known exactly; without one the other references decide
 MeshReport validate(const Mesh& mesh, const std::optional<PlacedSurface>& truth,
                     const ValidateOptions& options = {});

@@ -218,9 +218,9 @@ TEST(Adaptors, WithNumbersThatAreNotFiniteHaveNoFrame) {
 TEST(AdaptorsDeathTest, ThatAreSingularHaveNoFrame) {
   const Sphere sphere{1.0};
   using Chart = Reparametrised<Sphere<double>>;
-  const Placed nothing{sphere, Linear{}, {0, 0, 0}},
+  [[maybe_unused]] const Placed nothing{sphere, Linear{}, {0, 0, 0}},
       line{sphere, Linear{1, 2, 3, 2, 4, 6, -1, -2, -3}, {0, 0, 0}};
-  const Chart point{sphere, {0, 0, 0, 0}, {0.1, 0.2}}, curve{sphere, {1, 2, 2, 4}, {0, 0}},
+  [[maybe_unused]] const Chart point{sphere, {0, 0, 0, 0}, {0.1, 0.2}}, curve{sphere, {1, 2, 2, 4}, {0, 0}},
       meridian = sub_rectangle(sphere, 0.5, 0.5, 0, 1);
 #ifndef NDEBUG
   EXPECT_DEATH(frame(nothing, 0.1, 0.2), "the placement");
