@@ -32,13 +32,13 @@ struct TileRates {
   double frame_uu = unknown, frame_uv = unknown, frame_vv = unknown;
 
   /// An upper bound of the distance from the surface to its points interpolated linearly in any triangle
-  /// within a cell of size du × dv: (M_uu du² + 2 M_uv du dv + M_vv dv²)/8, M the largest |d²P|
+  /// within a cell of size |du| × |dv|: (M_uu du² + 2 M_uv |du dv| + M_vv dv²)/8, M the largest |d²P|
   /// [Filip1986].
   double chord(double du, double dv) const;
   /// Upper bounds, in radians, of the angle between n, or whichever of t, b and n, and the same vector
   /// interpolated linearly in such a triangle and normalised; infinite where the interpolated one may
-  /// vanish. With L = L_u du + L_v dv, the turning within the cell, and e by chord's formula from the second
-  /// derivatives, it is the smaller of
+  /// vanish. With L = L_u |du| + L_v |dv|, the turning within the cell, and e by chord's formula from the
+  /// second derivatives, it is the smaller of
   ///   (e + L³/48)/(1 - L²/8)   and   asin L/2.
   /// Across n, the vertices are off by d²n/2 of the way to them and, as n itself turns on the way, by L³/6;
   /// barycentric weights give u a variance of at most du²/4 and a third absolute moment of du³/8.

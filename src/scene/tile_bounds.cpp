@@ -225,11 +225,11 @@ constexpr double upward = 1 + 0x1p-48;  // what the products below may have lost
 
 // The error of linear interpolation by second derivatives.
 double interpolation_error(double uu, double uv, double vv, double du, double dv) {
-  const double error = upward * (uu * du * du + 2 * uv * du * dv + vv * dv * dv) / 8;
+  const double error = upward * (uu * du * du + 2 * uv * std::fabs(du * dv) + vv * dv * dv) / 8;
   return std::isnan(error) ? infinity : error;
 }
 double half_turning(double u, double v, double du, double dv) {
-  const double turning = upward * (u * du + v * dv) / 2;
+  const double turning = upward * (u * std::fabs(du) + v * std::fabs(dv)) / 2;
   return std::isnan(turning) ? infinity : turning;
 }
 // Of the interpolated unit vector, by the error across it and half the turning within the cell.

@@ -657,6 +657,12 @@ TEST(Tiles, OtherSurfacesHaveNoBounds) {
   expect_unknown(Sphere{1e300}, {});
   expect_unknown(Plane{1.0, 1.0}, {-0.5, 0.5, 0, 1});
   const TileBounds sphere(Sphere{1.0}, {});
+  // A cell has no direction.
+  for (const auto& [du, dv] : {std::pair{-0.1, 0.2}, {0.1, -0.2}, {-0.1, -0.2}}) {
+    EXPECT_EQ(sphere.chord(du, dv), sphere.chord(0.1, 0.2));
+    EXPECT_EQ(sphere.normal_angle(du, dv), sphere.normal_angle(0.1, 0.2));
+    EXPECT_EQ(sphere.frame_angle(du, dv), sphere.frame_angle(0.1, 0.2));
+  }
   EXPECT_EQ(sphere.facing({nan, 0, 0}), std::numeric_limits<double>::infinity());
   EXPECT_EQ(sphere.support({nan, 0, 0}), std::numeric_limits<double>::infinity());
 }
