@@ -242,11 +242,13 @@ class TileSamples {
   std::span<const std::uint32_t> triangles_;
 };
 
-/// Evaluates the patches of a plan one after the other. Memory is kept from one to the next.
+/// Evaluates the patches of a plan one after the other. Memory is kept from one to the next. Scene and plan
+/// live as long as this, and the plan is of this scene: the surfaces are not compared.
 class TileEvaluator {
  public:
   TileEvaluator(const Scene& scene, const ScenePlan& plan) : scene_(&scene), plan_(&plan) {}
-  /// \param options options.threads is ignored
+  /// \param patch one of the plan \param options options.threads is ignored
+  /// \throws ParameterError where the scene has fewer surfaces, or the plan fewer tiles, than the patch names
   const TileSamples& evaluate(const ScenePatch& patch, const EvaluateOptions& options = {});
 
  private:
@@ -260,7 +262,8 @@ class TileEvaluator {
   std::vector<Status> status_;
 };
 
-/// Calls f(const TileSamples&) for each patch of a plan, in order and in the calling thread.
+/// Calls f(const TileSamples&) for each patch of a plan, in order and in the calling thread. The plan must be
+/// of this scene. \throws ParameterError as TileEvaluator::evaluate()
 template <class F>
 void for_each_tile(const Scene& scene, const ScenePlan& plan, F&& f, const EvaluateOptions& options = {}) {
   TileEvaluator evaluator(scene, plan);

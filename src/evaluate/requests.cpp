@@ -158,6 +158,9 @@ Outputs<T>& Outputs<T>::separate(Attribute a, std::span<const std::span<T>> comp
 template <std::floating_point T>
 Outputs<T>& Outputs<T>::packed(Attribute a, std::span<T> values) {
   const std::size_t n = info_of(a).components;
+  if (values.size() % n != 0)
+    refuse(a, "expected a multiple of " + std::to_string(n) + " packed values, got " +
+                  std::to_string(values.size()));
   return member(a, values.data(), values.size() / n, static_cast<std::ptrdiff_t>(n * sizeof(T)));
 }
 

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
+#include <darboux/error.h>
 #include <darboux/scene.h>
 
 #include "patch_layout.h"
@@ -145,6 +147,18 @@ std::span<const std::uint32_t> add_split_cells(const ScenePatch& patch, std::spa
 }  // namespace
 
 const TileSamples& TileEvaluator::evaluate(const ScenePatch& patch, const EvaluateOptions& options) {
+  const auto refuse_other = [](std::size_t index, const char* of, std::size_t size) {
+    throw ParameterError("scene", "expected the scene and the plan that the patch is of, got a patch of " +
+                                      std::string(of) + " " + std::to_string(index) + " where there are " +
+                                      std::to_string(size));
+  };
+  if (patch.surface >= scene_->surfaces.size())
+    refuse_other(patch.surface, "surface", scene_->surfaces.size());
+  if (const std::size_t end = std::size_t{patch.first_tile} + patch.tile_count; end > plan_->tiles.size())
+    refuse_other(end, "tile", plan_->tiles.size());
+  if (const std::size_t end = std::size_t{patch.first_edge_coordinate} + edge_samples(patch);
+      !patch.plain() && end > plan_->edge_coordinates.size())
+    refuse_other(end, "edge coordinate", plan_->edge_coordinates.size());
   TileSamples& s = samples_;
   s.patch_ = &patch;
   s.tiles_ = std::span(plan_->tiles).subspan(patch.first_tile, patch.tile_count);

@@ -32,6 +32,8 @@ TEST(Refusals, NameTheAttributeAndWhatIsPermitted) {
                  "normal: expected a stride that is a multiple of 8 bytes and at least 24, got 16");
   EXPECT_REFUSED(Outputs<double>().member(Attribute::normal, x.data(), 2, 30), "at least 24, got 30");
   EXPECT_REFUSED(Outputs<double>().member(Attribute::normal, x.data(), 2, -24), "at least 24, got -24");
+  EXPECT_REFUSED(Outputs<double>().packed(Attribute::normal, span.first(11)),
+                 "normal: expected a multiple of 3 packed values, got 11");
   EXPECT_REFUSED(Outputs<double>().packed(Attribute::normal, span).packed(Attribute::normal, span),
                  "asked for twice");
   std::array<char, 64> bytes{};

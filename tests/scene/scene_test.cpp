@@ -55,6 +55,17 @@ TEST(Scene, EveryTileIsCountedOnce) {
   }
 }
 
+TEST(Scene, OfAnotherPlanIsRefused) {
+  Random random(2);
+  const Scene scene = random_scene(random, 30);
+  const ScenePlan plan = plan_scene(scene, random_camera(random), {.skip = SceneRequest::Skip::nothing()});
+  ASSERT_FALSE(plan.patches.empty());
+  EXPECT_REFUSED(for_each_tile(Scene{}, plan, [](const TileSamples&) {}),
+                 "scene: expected the scene and the plan that the patch is of, got a patch of surface");
+  const ScenePlan empty;
+  EXPECT_REFUSED(TileEvaluator(scene, empty).evaluate(plan.patches.front()), "where there are 0");
+}
+
 TEST(Scene, WithoutSkippingAllIsEvaluated) {
   Random random(2);
   const Scene scene = random_scene(random, 30);
