@@ -8,6 +8,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -24,9 +25,18 @@
 
 namespace darboux {
 
+namespace detail {
+
+template <class T>
+constexpr bool evaluates = std::same_as<T, float> || std::same_as<T, double>;
+
+}  // namespace detail
+
 /// Where the points are. Nothing is copied: the arrays live until the call that uses them returns.
 template <std::floating_point T>
 class Points {
+  static_assert(detail::evaluates<T>, "expected Points of float or double");
+
  public:
   /// (u[i], v[i]). \throws ParameterError when the lengths differ
   static Points arrays(std::span<const T> u, std::span<const T> v);
@@ -94,6 +104,8 @@ struct OutputPlace {
 /// What is asked for, and where it goes.
 template <std::floating_point T>
 class Outputs {
+  static_assert(detail::evaluates<T>, "expected Outputs of float or double");
+
  public:
   /// One array per component, in the order of attributes.h. All functions: \throws ParameterError naming the
   /// attribute when it is already asked for, the number of components is wrong, a pointer is null or not
@@ -102,7 +114,7 @@ class Outputs {
   Outputs& separate(Attribute a, std::initializer_list<std::span<T>> components) {
     return separate(a, std::span<const std::span<T>>(components.begin(), components.size()));
   }
-  /// One array of vectors, without gaps.
+  /// One array of vectors, without gaps: as many values as a multiple of the components.
   Outputs& packed(Attribute a, std::span<T> values);
   /// A member of each struct of an array. \param first the member's first component in the first struct
   /// \param points number of structs \param stride their size in bytes

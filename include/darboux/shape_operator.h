@@ -264,6 +264,18 @@ constexpr bool runs_in_40_digits = [] {
     return true;
 }();
 
+// Whether it runs over nested dual numbers, and so at poles and collapsed edges.
+template <class X, class S>
+constexpr bool runs_over_nested_duals = [] {
+  if constexpr (ParametricSurface<X>)
+    return requires(const X& x, const Prepared<X::info.u, typename NestedJets<S>::N>& u,
+                    const Prepared<X::info.v, typename NestedJets<S>::N>& v) {
+      x.jet(u, v);
+    };
+  else
+    return true;
+}();
+
 // The jet of a surface at a regular point in 40 digits, and the frame that one in S stands for: t and n lie
 // on its sides.
 struct WideForms {
@@ -319,10 +331,18 @@ bool finite(const ShapeOperator<S>& s) {
 template <class X, class S>
 ShapeOperator<S> limit_shape_operator(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   using N = typename NestedJets<S>::N;
-  const NestedJets<S> jets{&surface, [](const void* x, const N& a, const N& b) {
-                             return detail::jet_of(*static_cast<const X*>(x), a, b);
-                           }};
-  return shape_operator_at_collapse(jets, u, v, j, frame);
+  static_assert(
+      runs_over_nested_duals<X, S>,
+      "expected template <class S> jet(u, v) of any scalar S; got one that does not take dual "
+      "numbers. (From the jet and the frame alone: curvature(j, frame), shape_operator(j, frame).)");
+  if constexpr (runs_over_nested_duals<X, S>) {
+    const NestedJets<S> jets{&surface, [](const void* x, const N& a, const N& b) {
+                               return detail::jet_of(*static_cast<const X*>(x), a, b);
+                             }};
+    return shape_operator_at_collapse(jets, u, v, j, frame);
+  } else {
+    return {};
+  }
 }
 // Whether terms of a regular point left the range, so that the limit beside it stands for it.
 template <class S>
@@ -402,6 +422,18 @@ SecondForm<S> second_form(const X& surface, S u, S v, const Jet2<S>& j, const Fr
     }
   return form;
 }
+/// L = n·d2pdu2, M = n·d2pduv, N = n·d2pdv2 at (u, v), lengths. Costs jet() and frame(), and 50 us where
+/// terms cancel.
+template <class X, std::floating_point S>
+requires std::is_class_v<X> SecondForm<S> second_form(const X& surface, S u, S v) {
+  return second_form(surface, u, v, detail::jet_of(surface, u, v), detail::frame_of(surface, u, v));
+}
+template <class X, class U, class V>
+requires(detail::MixedCoordinates<U, V>&& std::is_class_v<X>) SecondForm<double> second_form(const X& surface,
+                                                                                             U u, V v) {
+  return second_form(surface, static_cast<double>(u), static_cast<double>(v));
+}
+
 /// The derivatives of the normal likewise.
 template <class X, std::floating_point S>
 NormalDerivatives<S> normal_derivatives(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
@@ -409,6 +441,18 @@ NormalDerivatives<S> normal_derivatives(const X& surface, S u, S v, const Jet2<S
   if (!at.wide) return normal_derivatives(at.narrow, frame);
   const NormalDerivatives<Multiprecision> d = normal_derivatives(at.wide->shape, at.wide->frame);
   return {detail::rounded_to<S>(d.dndu), detail::rounded_to<S>(d.dndv)};
+}
+
+/// dndu = -S dpdu, dndv = -S dpdv at (u, v), without units; the limits at poles and collapsed edges. Costs
+/// shape_operator().
+template <class X, std::floating_point S>
+requires std::is_class_v<X> NormalDerivatives<S> normal_derivatives(const X& surface, S u, S v) {
+  return normal_derivatives(surface, u, v, detail::jet_of(surface, u, v), detail::frame_of(surface, u, v));
+}
+template <class X, class U, class V>
+requires(detail::MixedCoordinates<U, V>&& std::is_class_v<X>)
+    NormalDerivatives<double> normal_derivatives(const X& surface, U u, V v) {
+  return normal_derivatives(surface, static_cast<double>(u), static_cast<double>(v));
 }
 
 }  // namespace darboux

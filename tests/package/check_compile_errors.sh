@@ -91,6 +91,20 @@ struct Mine {
 int main() { evaluate(Mine{}, darboux::Points<float>::grid(2, 2), darboux::Outputs<float>{}); }
 END
 expect float_batch c++20 9 "got one that does not take float"
+cat >"$work/curvature_of_doubles.cpp" <<END
+#include <darboux/curvature.h>
+struct Mine {
+  static constexpr darboux::SurfaceInfo info{"mine", "a surface", darboux::Coordinate::linear,
+                                             darboux::Coordinate::linear};
+  darboux::Jet2<double> jet(double u, double v) const { return {{u, v, 0}, {1, 0, 0}, {0, 1, 0}, {}, {}, {}}; }
+};
+int main() { darboux::curvature(Mine{}, 0.1, 0.2); }
+END
+expect curvature_of_doubles c++20 1 "got one that does not take dual numbers"
+printf '#include <darboux/evaluate.h>\ndarboux::Points<long double> points;\n' >"$work/long_points.cpp"
+expect long_points c++20 1 "expected Points of float or double"
+printf '#include <darboux/evaluate.h>\ndarboux::Outputs<long double> outputs;\n' >"$work/long_outputs.cpp"
+expect long_outputs c++20 1 "expected Outputs of float or double"
 printf '#include <darboux/any_surface.h>\nint main() { frame(darboux::make_surface("torus"), 0.1, 0.2); }\n' >"$work/any_frame.cpp"
 expect any_frame c++20 2 "as surface.frame(u, v)"
 exit $((failures > 0))

@@ -50,6 +50,29 @@ TEST(FundamentalForms, AreThoseOfTheClosedForms) {
 
 // H = κ1 = κ2 = -1/r with n outward, K = 1/r², every point umbilic. At radii whose square overflows or
 // underflows the κ stay right.
+// The forms without a jet and a frame are those with them, of types and of AnySurface, and at a pole.
+TEST(FundamentalForms, TakeTheSurfaceAlone) {
+  const Ellipsoid ellipsoid{1.0, 0.7, 0.5};
+  const AnySurface any(ellipsoid);
+  for (const double v : {0.0, 0.3}) {
+    const Jet2<double> j = jet(ellipsoid, 0.2, v);
+    const Frame<double> f = frame(ellipsoid, 0.2, v);
+    EXPECT_EQ(second_form(ellipsoid, 0.2, v).N, second_form(ellipsoid, 0.2, v, j, f).N);
+    EXPECT_EQ(second_form(any, 0.2, v).N, second_form(ellipsoid, 0.2, v).N);
+    const NormalDerivatives<double> d = normal_derivatives(ellipsoid, 0.2, v, j, f);
+    EXPECT_EQ(normal_derivatives(ellipsoid, 0.2, v).dndu, d.dndu);
+    EXPECT_EQ(normal_derivatives(any, 0.2, v).dndv, d.dndv);
+    const double symbol = christoffel(ellipsoid, 0.2, v, j, f).v[0];
+    EXPECT_EQ(std::isnan(symbol), v == 0);
+    if (v == 0) continue;
+    EXPECT_EQ(christoffel(ellipsoid, 0.2, v).v[0], symbol);
+    EXPECT_EQ(christoffel(any, 0.2, v).v[0], symbol);
+  }
+  EXPECT_EQ(second_form(ellipsoid, 0, 0.5f).L, second_form(ellipsoid, 0.0, 0.5).L);
+  EXPECT_EQ(normal_derivatives(ellipsoid, 0, 0.5f).dndu, normal_derivatives(ellipsoid, 0.0, 0.5).dndu);
+  EXPECT_EQ(christoffel(ellipsoid, 0, 0.5f).u[1], christoffel(ellipsoid, 0.0, 0.5).u[1]);
+}
+
 TEST(Curvature, OfTheSphere) {
   Random random(1);
   double worst = 0;
