@@ -11,8 +11,8 @@
 namespace darboux {
 
 /// The Christoffel symbols Γ^k_ij: d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part). u[0], u[1],
-/// u[2] are Γ^u_uu, Γ^u_uv, Γ^u_vv, v[...] likewise Γ^v. Without units. NaN where dpdu and dpdv span no
-/// plane. [doCarmo2016, sec. 4-3]
+/// u[2] are Γ^u_uu, Γ^u_uv, Γ^u_vv, v[...] likewise Γ^v. Without units. Not all are finite where dpdu
+/// and dpdv span no plane. [doCarmo2016, sec. 4-3]
 template <class S>
 struct Christoffel {
   S u[3], v[3];
@@ -65,8 +65,8 @@ Christoffel<S> christoffel(const X& surface, S u, S v, const Jet2<S>& j, const F
   return symbols;
 }
 
-/// Γ^k_ij with d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part) at (u, v), without units. NaN where
-/// dpdu and dpdv span no plane. Costs jet() and frame(), and 50 us where terms cancel.
+/// Γ^k_ij with d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part) at (u, v), without units. Not all are
+/// finite where dpdu and dpdv span no plane. Costs jet() and frame(), and 50 us where terms cancel.
 template <class X, std::floating_point S>
 requires std::is_class_v<X> Christoffel<S> christoffel(const X& surface, S u, S v) {
   return christoffel(surface, u, v, detail::jet_of(surface, u, v), detail::frame_of(surface, u, v));

@@ -62,11 +62,11 @@ TEST(FundamentalForms, TakeTheSurfaceAlone) {
     const NormalDerivatives<double> d = normal_derivatives(ellipsoid, 0.2, v, j, f);
     EXPECT_EQ(normal_derivatives(ellipsoid, 0.2, v).dndu, d.dndu);
     EXPECT_EQ(normal_derivatives(any, 0.2, v).dndv, d.dndv);
-    const double symbol = christoffel(ellipsoid, 0.2, v, j, f).v[0];
-    EXPECT_EQ(std::isnan(symbol), v == 0);
+    const double symbol = christoffel(ellipsoid, 0.2, v, j, f).u[1];
+    EXPECT_EQ(std::isfinite(symbol), v > 0);
     if (v == 0) continue;
-    EXPECT_EQ(christoffel(ellipsoid, 0.2, v).v[0], symbol);
-    EXPECT_EQ(christoffel(any, 0.2, v).v[0], symbol);
+    EXPECT_EQ(christoffel(ellipsoid, 0.2, v).u[1], symbol);
+    EXPECT_EQ(christoffel(any, 0.2, v).u[1], symbol);
   }
   EXPECT_EQ(second_form(ellipsoid, 0, 0.5f).L, second_form(ellipsoid, 0.0, 0.5).L);
   EXPECT_EQ(normal_derivatives(ellipsoid, 0, 0.5f).dndu, normal_derivatives(ellipsoid, 0.0, 0.5).dndu);
