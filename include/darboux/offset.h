@@ -86,7 +86,11 @@ struct Offset {
       none.status |= Status::dpdu_zero;
       return none;
     }
-    Frame<S> result{along_u.direction, {}, f.n, f.handedness, at & (detail::degenerate | Status::crease)};
+    Frame<S> result{along_u.direction,
+                    {},
+                    f.n,
+                    f.handedness,
+                    (at & (detail::degenerate | Status::crease)) | (f.status & Status::ill_conditioned)};
     if (has(at, detail::degenerate)) result.status |= Status::limit_frame;
     const S left = along_u.length / along_u.terms;
     if (left * left < std::numeric_limits<S>::epsilon()) result.status |= Status::ill_conditioned;

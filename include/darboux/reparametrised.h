@@ -88,9 +88,10 @@ struct Reparametrised {
     const T determinant = scaled_determinant();
     if (!(determinant > T(0) || determinant < T(0))) {  // a singular M, which checked() refuses
       Frame<S> none = detail::no_frame<S>();
-      none.status |= M[0] == T(0) && M[2] == T(0)   ? Status::dpdu_zero
-                     : M[1] == T(0) && M[3] == T(0) ? Status::dpdv_zero
-                                                    : Status::parallel;
+      const bool u_zero = M[0] == T(0) && M[2] == T(0), v_zero = M[1] == T(0) && M[3] == T(0);
+      if (u_zero) none.status |= Status::dpdu_zero;
+      if (v_zero) none.status |= Status::dpdv_zero;
+      if (!u_zero && !v_zero) none.status |= Status::parallel;
       return none;
     }
     const S a = lift<S>(M[0]), c = lift<S>(M[2]), one = lift<S>(1.0);

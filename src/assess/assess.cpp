@@ -321,6 +321,10 @@ std::vector<Assessment> assess_whole_or_parts(MeshUnderTest under_test, const As
   if (uncharted) charted = whole.fit->surface.surface.info().name;
   PartSearch parts(under_test, options, budget, charted);
   if (uncharted && !parts.rest.empty()) parts.recognised.clear();
+  if (capped && std::none_of(parts.recognised.begin(), parts.recognised.end(), [&](const MeshPart& part) {
+        return kind_of(*part.recognition.fit) == kind_of(*whole.fit);
+      }))
+    parts.recognised.clear();
   if (options.declares_surface() && !parts.declared) parts.recognised.clear();
   if (parts.recognised.empty()) {
     Assessment result = assess_whole(std::move(under_test), std::move(whole), options);

@@ -5,10 +5,16 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
+#include <set>
+#include <string>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
+
+#include "mesh/quads.h"
+#include "mesh/stored_rounding.h"
 
 namespace darboux {
 namespace {
@@ -34,10 +40,12 @@ Place place_of(const Mesh& mesh, std::uint32_t v) {
   return {bits(p.x), bits(p.y), bits(p.z), bits(n.x), bits(n.y), bits(n.z)};
 }
 
-// Some triangles of a mesh, with the vertices that they use.
+// Some triangles of a mesh, with the vertices that they use, added to another.
 class Excerpt {
  public:
-  Excerpt(const Mesh& from, Mesh& to) : from_(from), to_(to) {}
+  Excerpt(const Mesh& from, Mesh& to) : from_(from), to_(to) {
+    to.half_steps = larger_of(to.half_steps, from.half_steps);
+  }
   void add(const Triangle& triangle) {
     Triangle& taken = to_.triangles.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) taken[k] = vertex(triangle[k]);
@@ -63,43 +71,89 @@ bool are_of_one_mesh(const Primitive& a, const Primitive& b) {
   return a.mesh == b.mesh || (!a.name.empty() && a.name == b.name && a.instances == b.instances);
 }
 
-bool have_same_attributes(const Mesh& a, const Mesh& b) {
-  return a.uvs.empty() == b.uvs.empty() && a.tangents.empty() == b.tangents.empty();
-}
-
-// \param group primitives of one mesh, with the same attributes
-void add_triangles(std::span<const Primitive> primitives, std::span<const std::size_t> group,
-                   std::vector<Mesh>& beside) {
-  std::unordered_map<Place, std::vector<std::size_t>, Hash>
-      sharing;  // of each place its primitives, ascending
-  for (const std::size_t i : group) {
-    const Mesh& mesh = primitives[i].data;
-    std::vector<bool> seen(mesh.positions.size(), false);
-    for (const Triangle& triangle : mesh.triangles)
-      for (const std::uint32_t v : triangle) {
-        if (seen[v]) continue;
-        seen[v] = true;
-        std::vector<std::size_t>& those = sharing[place_of(mesh, v)];
-        if (those.size() <= most_sharing && (those.empty() || those.back() != i)) those.push_back(i);
-      }
+// Primitives of one mesh with the same attributes, and where they meet.
+class Group {
+ public:
+  Group(std::span<const Primitive> primitives, std::span<const std::size_t> group)
+      : primitives_(primitives), group_(group), places_(group.size()), whole_(group.size()) {
+    std::unordered_map<Place, std::uint32_t, Hash> numbers;
+    for (std::uint32_t i = 0; i < group.size(); ++i) {
+      const Mesh& mesh = mesh_of(i);
+      places_[i].assign(mesh.positions.size(), none);
+      for (const Triangle& triangle : mesh.triangles)
+        for (const std::uint32_t v : triangle) {
+          if (places_[i][v] != none) continue;
+          places_[i][v] = numbers.try_emplace(place_of(mesh, v), static_cast<std::uint32_t>(numbers.size()))
+                              .first->second;
+          note(places_[i][v], i);
+        }
+    }
+    for (std::uint32_t i = 0; i < group.size(); ++i)
+      for (const Triangle& triangle : mesh_of(i).triangles)
+        if (const Triangle at = sorted_places(i, triangle);
+            sharing_.count(at[0]) > 0 && sharing_.count(at[1]) > 0 && sharing_.count(at[2]) > 0)
+          whole_[i].insert(at);
   }
-  for (const std::size_t i : group) {
-    const Mesh& mesh = primitives[i].data;
-    std::map<std::size_t, Excerpt> excerpts;
-    for (const Triangle& triangle : mesh.triangles) {
-      std::vector<std::size_t> others;
-      for (const std::uint32_t v : triangle) {
-        const std::vector<std::size_t>& those = sharing[place_of(mesh, v)];
-        if (those.size() > 1 && those.size() <= most_sharing)
-          others.insert(others.end(), those.begin(), those.end());
+
+  void add_to(std::vector<Mesh>& beside) const {
+    for (std::uint32_t i = 0; i < group_.size(); ++i) {
+      const std::vector<Triangle>& triangles = mesh_of(i).triangles;
+      std::map<std::uint32_t, Excerpt> excerpts;
+      for (std::size_t t = 0; t < triangles.size(); ++t) {
+        // Both halves of a quad: normals and tangents may be averages over quads.
+        const bool quad = t + 1 < triangles.size() && quad_of(triangles[t], triangles[t + 1]);
+        const auto face = std::span(triangles).subspan(t, quad ? 2 : 1);
+        for (const std::uint32_t other : others_at(i, face)) {
+          Excerpt& excerpt = excerpts.try_emplace(other, mesh_of(i), beside[group_[other]]).first->second;
+          for (const Triangle& triangle : face)
+            if (whole_[other].count(sorted_places(i, triangle)) == 0) excerpt.add(triangle);
+        }
+        t += quad;
       }
-      std::sort(others.begin(), others.end());
-      others.erase(std::unique(others.begin(), others.end()), others.end());
-      for (const std::size_t other : others)
-        if (other != i) excerpts.try_emplace(other, mesh, beside[other]).first->second.add(triangle);
     }
   }
-}
+
+ private:
+  static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+  const Mesh& mesh_of(std::uint32_t i) const { return primitives_[group_[i]].data; }
+
+  void note(std::uint32_t place, std::uint32_t i) {
+    if (place == first_.size()) {
+      first_.push_back(i);
+    } else if (first_[place] != i) {
+      std::vector<std::uint32_t>& those = sharing_.try_emplace(place, 1, first_[place]).first->second;
+      if (those.size() <= most_sharing && those.back() != i) those.push_back(i);
+    }
+  }
+
+  Triangle sorted_places(std::uint32_t i, const Triangle& triangle) const {
+    Triangle at{places_[i][triangle[0]], places_[i][triangle[1]], places_[i][triangle[2]]};
+    std::sort(at.begin(), at.end());
+    return at;
+  }
+
+  std::vector<std::uint32_t> others_at(std::uint32_t i, std::span<const Triangle> face) const {
+    std::vector<std::uint32_t> others;
+    for (const Triangle& triangle : face)
+      for (const std::uint32_t v : triangle)
+        if (const auto at = sharing_.find(places_[i][v]);
+            at != sharing_.end() && at->second.size() <= most_sharing)
+          others.insert(others.end(), at->second.begin(), at->second.end());
+    std::sort(others.begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+    others.erase(std::remove(others.begin(), others.end(), i), others.end());
+    return others;
+  }
+
+  std::span<const Primitive> primitives_;
+  std::span<const std::size_t> group_;
+  std::vector<std::vector<std::uint32_t>>
+      places_;                        // of each member's vertices: numbers of position and normal
+  std::vector<std::uint32_t> first_;  // of each place, the first member there
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> sharing_;  // places of several: all members
+  std::vector<std::set<Triangle>> whole_;  // of each member its triangles between such places, sorted
+};
 
 }  // namespace
 
@@ -116,7 +170,7 @@ std::vector<Mesh> triangles_beside(std::span<const Primitive> primitives) {
         i);
   }
   for (const auto& [key, group] : groups)
-    if (group.size() > 1) add_triangles(primitives, group, result);
+    if (group.size() > 1) Group(primitives, group).add_to(result);
   return result;
 }
 

@@ -1,9 +1,11 @@
 // How far a stored number may be from the true one, by rounding.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include <darboux/mesh.h>
 #include <darboux/vector.h>
 
 namespace darboux {
@@ -21,6 +23,11 @@ inline bool is_unit(const Vec3<double>& a, double half_step) {
   constexpr double tolerance = 0.0005;  // as the Khronos glTF validator
   const double rounding = 2 * std::numbers::sqrt3 * half_step + 3 * half_step * half_step;
   return std::fabs(1 - dot(a, a)) <= std::fmax(tolerance, rounding);
+}
+
+inline HalfSteps larger_of(const HalfSteps& a, const HalfSteps& b) {
+  return {std::max(a.position, b.position), std::max(a.normal, b.normal), std::max(a.uv, b.uv),
+          std::max(a.tangent, b.tangent)};
 }
 
 }  // namespace darboux

@@ -1,13 +1,17 @@
 #include "mesh_under_test.h"
 
+#include <cstdint>
 #include <numeric>
+#include <string>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include <darboux/error.h>
 
 #include "base/text.h"
 #include "local_jets/local_truth.h"
+#include "mesh/stored_rounding.h"
 #include "mesh/triangle_signs.h"
 #include "rounding.h"
 
@@ -18,6 +22,32 @@ const VertexJoins& joins_of(const MeshUnderTest& under_test, VertexJoins& of_par
   return of_part = join_vertices(under_test.mesh);
 }
 
+namespace {
+
+// Which vertices have triangles with area in uv, and which have such of both windings. Both halves of a quad
+// have the one that MikkTSpace gives them.
+void find_mirrors(MeshUnderTest& under_test) {
+  const Mesh& mesh = under_test.mesh;
+  const MikktspaceReference& mikktspace = under_test.mikktspace;
+  const bool by_quads = !mikktspace.empty() && mikktspace.faces() == MikktspaceFaces::quads;
+  under_test.across_mirror.assign(mesh.positions.size(), false);
+  under_test.has_uv_area.assign(mesh.positions.size(), false);
+  std::vector<signed char> winds(mesh.positions.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (under_test.raw_sign[t] == 0 || certain_sign(mesh, mesh.triangles[t], 0) == 0) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t v = mesh.triangles[t][k];
+      const float of_quad = by_quads ? mikktspace.at(3 * t + k, v).w : 0;
+      const int sign = of_quad > 0 ? 1 : of_quad < 0 ? -1 : under_test.raw_sign[t];
+      if (sign * winds[v] < 0) under_test.across_mirror[v] = true;
+      winds[v] = static_cast<signed char>(sign);
+      under_test.has_uv_area[v] = true;
+    }
+  }
+}
+
+}  // namespace
+
 MeshUnderTest prepare(const Mesh& mesh, const ValidateOptions& options) {
   if (!(options.max_angle_deg > 0 && options.max_angle_deg <= 180))
     throw ParameterError("max_angle_deg",
@@ -27,7 +57,7 @@ MeshUnderTest prepare(const Mesh& mesh, const ValidateOptions& options) {
       throw MeshError("mesh", "uv set " + std::to_string(set) + " has " + std::to_string(uvs.size()) +
                                   " uvs for " + std::to_string(mesh.positions.size()) +
                                   " vertices, expected one per vertex");
-  if (const Mesh* beside = options.beside) {
+  if (const Mesh* beside = options.beside; beside && !beside->triangles.empty()) {
     check_consistent(*beside, "mesh beside");
     if (beside->normals.empty() != mesh.normals.empty() || beside->uvs.empty() != mesh.uvs.empty() ||
         beside->tangents.empty() != mesh.tangents.empty())
@@ -42,17 +72,7 @@ MeshUnderTest prepare_with_uvs_of(const Mesh& mesh, MeshUnderTest other) {
                            .raw_sign = triangle_signs(mesh),
                            .has_area = std::move(other.has_area),
                            .joins = std::move(other.joins)};
-  under_test.across_mirror.assign(mesh.positions.size(), false);
-  under_test.has_uv_area.assign(mesh.positions.size(), false);
-  std::vector<signed char> winds(mesh.positions.size(), 0);
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (under_test.raw_sign[t] == 0 || certain_sign(mesh, mesh.triangles[t], 0) == 0) continue;
-    for (const std::uint32_t v : mesh.triangles[t]) {
-      if (under_test.raw_sign[t] * winds[v] < 0) under_test.across_mirror[v] = true;
-      winds[v] = under_test.raw_sign[t];
-      under_test.has_uv_area[v] = true;
-    }
-  }
+  find_mirrors(under_test);
   return under_test;
 }
 
@@ -61,6 +81,7 @@ void add_references(MeshUnderTest& under_test, const ValidateOptions& options) {
   if (options.references.mikktspace && !mesh.triangles.empty() && !mesh.tangents.empty() &&
       !mesh.normals.empty() && !mesh.uvs.empty())
     under_test.mikktspace = mikktspace_reference(mesh, mesh.uvs, options.threads);
+  if (under_test.mikktspace.faces() == MikktspaceFaces::quads) find_mirrors(under_test);
   const bool by_uvs = has_uv_area(under_test.raw_sign);
   if (!options.references.local || (!by_uvs && mesh.normals.empty())) return;
   if (by_uvs) under_test.equal = join_equal_vertices(mesh);
@@ -125,47 +146,61 @@ void append(const Mesh& other, Mesh& mesh) {
   add(other.normals, mesh.normals);
   add(other.uvs, mesh.uvs);
   add(other.tangents, mesh.tangents);
+  mesh.half_steps = larger_of(mesh.half_steps, other.half_steps);
 }
 
-// As classify_vertices(), of the mesh and the triangles beside it, of which the mesh's own are kept.
-// MikkTSpace too may have been run over all of them.
-void classify_with_those_beside(MeshUnderTest& under_test, std::vector<bool> is_pole,
-                                const ValidateOptions& options) {
+// MikkTSpace's of the mesh and of the triangles beside it, which it too may have been run over: whichever
+// gives more of the mesh's stored tangents.
+MikktspaceReference reference_of_both(const Mesh& mesh, const MikktspaceReference& own, const Mesh& both,
+                                      int threads) {
+  const std::size_t given = stored_corners(mesh, own);
+  std::vector<std::uint32_t> vertices(mesh.positions.size()), triangles(mesh.triangles.size());
+  std::iota(vertices.begin(), vertices.end(), 0U);
+  std::iota(triangles.begin(), triangles.end(), 0U);
+  if (given < mesh.corners()) {
+    MikktspaceReference of_both = mikktspace_reference(both, both.uvs, threads);
+    if (stored_corners(mesh, of_both.restricted_to(mesh, vertices, triangles)) > given) return of_both;
+  }
+  std::vector<Vec4<float>> of_corner(both.corners(), Vec4<float>{0, 0, 0, 0});
+  for (std::size_t c = 0; c < mesh.corners(); ++c) of_corner[c] = own.at(c, mesh.triangles[c / 3][c % 3]);
+  return {both, of_corner, own.faces()};
+}
+
+// The checks that need averages, over the triangles beside the mesh too. The classes stay those of the mesh:
+// at its border it says less.
+void check_with_those_beside(MeshUnderTest& under_test, const ValidateOptions& options) {
   const Mesh& mesh = under_test.mesh;
   Mesh both = mesh;
   append(*options.beside, both);
   MeshUnderTest extended = prepare_with_uvs_of(
       both, {.mesh = both, .has_area = triangles_with_area(both), .joins = join_vertices(both)});
   if (!under_test.mikktspace.empty())
-    extended.mikktspace = mikktspace_reference(both, both.uvs, options.threads);
-  if (!is_pole.empty()) is_pole.resize(both.positions.size(), false);
+    extended.mikktspace = reference_of_both(mesh, under_test.mikktspace, both, options.threads);
   ValidateOptions alone = options;
   alone.beside = nullptr;
-  classify_vertices(extended, is_pole, alone);
+  classify_vertices(extended, {}, alone);
   std::vector<std::uint32_t> vertices(mesh.positions.size()), triangles(mesh.triangles.size());
   std::iota(vertices.begin(), vertices.end(), 0U);
   std::iota(triangles.begin(), triangles.end(), 0U);
   MeshUnderTest own = restrict_to(extended, mesh, vertices, triangles, options.max_angle_deg);
-  under_test.classes = std::move(own.classes);
-  under_test.normals = std::move(own.normals);
+  // Where one is inside out and the other is not, each is judged alone.
+  if (own.normals.all_oppose == under_test.normals.all_oppose) under_test.normals = std::move(own.normals);
   under_test.cones = std::move(own.cones);
-  if (!under_test.mikktspace.empty() &&
-      stored_corners(mesh, own.mikktspace) > stored_corners(mesh, under_test.mikktspace))
-    under_test.mikktspace = std::move(own.mikktspace);
+  under_test.mikktspace = std::move(own.mikktspace);
 }
 
 }  // namespace
 
 void classify_vertices(MeshUnderTest& under_test, const std::vector<bool>& is_pole,
                        const ValidateOptions& options) {
-  if (options.beside && !options.beside->triangles.empty()) {
-    classify_with_those_beside(under_test, is_pole, options);
-    return;
-  }
   const Mesh& mesh = under_test.mesh;
   const VertexJoins& joins = under_test.joins;
   under_test.classes = classify(mesh, is_pole, under_test.raw_sign, joins);
   under_test.normals = check_normals(mesh, under_test.has_area, joins);
+  if (options.beside && !options.beside->triangles.empty()) {
+    check_with_those_beside(under_test, options);
+    return;
+  }
   if (!options.references.triangles || mesh.tangents.empty() || mesh.normals.empty() || mesh.uvs.empty())
     return;
   std::vector<double> limit_deg(mesh.positions.size(), options.max_angle_deg);

@@ -103,7 +103,7 @@ MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<
   }
   const auto whole = [&](const Triangle& t) { return finite[t[0]] && finite[t[1]] && finite[t[2]]; };
   std::vector<std::uint32_t> corners, place(mesh.corners(), none);  // place: of the mesh's in `corners`
-  std::vector<std::uint8_t> sizes;
+  std::vector<std::uint8_t> sizes;                                  // none: triangles
   corners.reserve(mesh.corners());
   const auto add_face = [&](const auto& face, std::size_t first, std::size_t triangles) {
     for (std::size_t t = first; t < first + triangles; ++t)
@@ -112,7 +112,7 @@ MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<
             corners.size() + static_cast<std::size_t>(
                                  std::find(face.begin(), face.end(), mesh.triangles[t][k]) - face.begin()));
     corners.insert(corners.end(), face.begin(), face.end());
-    sizes.push_back(static_cast<std::uint8_t>(face.size()));
+    if (faces == MikktspaceFaces::quads) sizes.push_back(static_cast<std::uint8_t>(face.size()));
   };
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!whole(mesh.triangles[t])) continue;
@@ -139,7 +139,7 @@ MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<
 }
 
 std::size_t stored_corners(const Mesh& mesh, const MikktspaceReference& reference) {
-  constexpr double same = 1e-5;
+  constexpr double same = 1e-5;  // other orders of the same sums, in floats
   std::size_t result = 0;
   for (std::size_t c = 0; c < mesh.corners(); ++c) {
     const std::uint32_t v = mesh.triangles[c / 3][c % 3];

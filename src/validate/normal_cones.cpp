@@ -61,9 +61,9 @@ bool is_in_cone(const Vec3<double>& n, const Normals& of) {
 }
 
 // Whether the normals of vertices that are asked about lie in the cone of their own triangles' normals:
-// whether they are averages of these with positive weights of any kind. Both halves of a quad are at each of
-// its corners: Blender weights a quad's normal by its angle, which no weights of its two triangles do. At
-// sharp ridges an average may be far from each of the triangles; a normal that was turned is no average.
+// whether they are averages of these with positive weights of any kind. Blender averages the normals of
+// quads, which no weights of the triangles at a corner give: a quad's own normal counts at its four corners.
+// At sharp ridges an average may be far from each of the triangles; a normal that was turned is no average.
 std::vector<bool> lie_in_normal_cones(const Mesh& mesh, const VertexJoins& joins,
                                       const std::vector<bool>& vertices) {
   struct Group {
@@ -73,27 +73,27 @@ std::vector<bool> lie_in_normal_cones(const Mesh& mesh, const VertexJoins& joins
   std::map<std::uint32_t, Group> groups;  // by what joins vertices of one place and normal
   for (std::uint32_t v = 0; v < vertices.size(); ++v)
     if (vertices[v]) groups[joins.position_and_normal[v]];
-  const auto add = [&](std::uint32_t v, const Triangle& t) {
+  const auto add = [&](std::uint32_t v, const Vec3<double>& plane) {
     const auto found = groups.find(joins.position_and_normal[v]);
     if (found == groups.end() || found->second.normals.size() >= most_normals) return;
     Normals& kept = found->second.normals;
-    const Vec3<double>& p = mesh.positions[t[0]];
-    const Vec3<double> plane = unit(accurate_cross(mesh.positions[t[1]] - p, mesh.positions[t[2]] - p));
     const double as_near = kept.size() < many ? alike : near;
     if (dot(plane, plane) > 0.5 && std::none_of(kept.begin(), kept.end(), [&](const auto& other) {
           return dot(other, plane) > as_near;
         }))
       kept.push_back(plane);
   };
+  const auto across = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    return unit(accurate_cross(mesh.positions[b] - mesh.positions[a], mesh.positions[d] - mesh.positions[c]));
+  };
   for (const Triangle& t : mesh.triangles)
-    for (const std::uint32_t v : t) add(v, t);
-  for (std::size_t t = 1; t < mesh.triangles.size(); ++t) {
-    const Triangle &x = mesh.triangles[t - 1], &y = mesh.triangles[t];
-    const auto quad = quad_of(x, y);
-    if (!quad) continue;
-    for (const std::uint32_t v : *quad) add(v, x), add(v, y);
-    ++t;
-  }
+    for (const std::uint32_t v : t) add(v, across(t[0], t[1], t[0], t[2]));
+  for (std::size_t t = 1; t < mesh.triangles.size(); ++t)
+    if (const auto quad = quad_of(mesh.triangles[t - 1], mesh.triangles[t])) {
+      const auto& [a, b, c, d] = *quad;
+      for (const std::uint32_t v : *quad) add(v, across(a, c, b, d));
+      ++t;
+    }
   std::vector<bool> result(vertices.size(), false);
   for (std::uint32_t v = 0; v < vertices.size(); ++v) {
     if (!vertices[v]) continue;

@@ -37,7 +37,7 @@ void Signs::count() {
     SignCount& island = islands_[static_cast<std::size_t>(under_test_.classes.island_of_triangle[t])];
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (!counts(t, v)) continue;
-      const bool raw = mesh.tangents[v].w * under_test_.raw_sign[t] > 0;
+      const bool raw = mesh.tangents[v].w * raw_sign(t, v) > 0;
       ++(raw ? all_.raw : all_.gltf);
       ++(raw ? island.raw : island.gltf);
     }
@@ -49,18 +49,19 @@ bool Signs::counts(std::uint32_t t) const {
          certain_sign(under_test_.mesh, under_test_.mesh.triangles[t], 0) != 0;
 }
 
-bool Signs::follows_other_half(std::uint32_t t, std::uint32_t v) const {
+int Signs::raw_sign(std::uint32_t t, std::uint32_t v) const {
+  const int own = under_test_.raw_sign[t];
   const MikktspaceReference& mikktspace = under_test_.mikktspace;
-  if (mikktspace.empty() || mikktspace.faces() != MikktspaceFaces::quads) return false;
+  if (mikktspace.faces() != MikktspaceFaces::quads) return own;
   const Triangle& triangle = under_test_.mesh.triangles[t];
   const auto k = static_cast<std::size_t>(std::find(triangle.begin(), triangle.end(), v) - triangle.begin());
-  return mikktspace.at(3 * std::size_t{t} + k, v).w * static_cast<float>(under_test_.raw_sign[t]) < 0;
+  const float of_quad = mikktspace.at(3 * std::size_t{t} + k, v).w;
+  return of_quad > 0 ? 1 : of_quad < 0 ? -1 : own;
 }
 
 bool Signs::counts(std::uint32_t t, std::uint32_t v) const {
   if (!checks_[v].sign_valid || !checks_[v].has_tangent) return false;
   if (!all_round_.empty() && all_round_[signed_index(v, under_test_.raw_sign[t])]) return false;
-  if (follows_other_half(t, v)) return false;
   if (!checks_[v].has_normal || under_test_.normals.all_oppose) return true;
   const Mesh& mesh = under_test_.mesh;
   const Vec3<double> plane = area_vector(mesh, mesh.triangles[t]);
@@ -72,7 +73,7 @@ bool Signs::counts(std::uint32_t t, std::uint32_t v) const {
 bool Signs::wrong(std::uint32_t t, std::uint32_t v) const {
   if (all_.raw == 0 || all_.gltf == 0 || !counts(t)) return false;
   const SignCount& island = islands_[static_cast<std::size_t>(under_test_.classes.island_of_triangle[t])];
-  return (under_test_.mesh.tangents[v].w * under_test_.raw_sign[t] > 0) != raw_in(island) && counts(t, v);
+  return (under_test_.mesh.tangents[v].w * raw_sign(t, v) > 0) != raw_in(island) && counts(t, v);
 }
 
 Handedness Signs::handedness() const {

@@ -17,8 +17,7 @@ struct SignCount {
 
 // Of the whole mesh and of each island, over the corners of triangles with uv area. Not counted are corners
 // where w has no one meaning: the normal is more than 80 degrees from the triangle (the uvs' winding says one
-// sign, the side of dpdv the other), the dpdu of the vertex's triangles go all round it, or the triangle is
-// the half of a quad whose other half winds the other way and decides.
+// sign, the side of dpdv the other), or the dpdu of the vertex's triangles go all round it.
 class Signs {
  public:
   Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> checks);
@@ -40,8 +39,8 @@ class Signs {
   // nothing is seen of them.
   bool counts(std::uint32_t t) const;
   bool counts(std::uint32_t t, std::uint32_t v) const;
-  // MikkTSpace gives both halves of a quad the winding of the half whose uv area is larger.
-  bool follows_other_half(std::uint32_t t, std::uint32_t v) const;
+  // How the triangle's uvs wind; where the tangents are MikkTSpace's of quads, how its quad's do.
+  int raw_sign(std::uint32_t t, std::uint32_t v) const;
   // Where both signs hold half the island, the mesh's convention decides.
   bool raw_in(const SignCount& island) const {
     return island.raw == island.gltf ? raw() : island.raw > island.gltf;

@@ -478,7 +478,7 @@ void MeshValidation::add_warnings(const CornerCounts& counts) {
   warn(Code::normal_angle, counts.departing, std::string(reasons::departing.why), reasons::departing);
   add(report_, warning(Code::tangent_not_orthogonal, counts.leaning,
                        " (|t.n| > " + rounded(orthogonal_tolerance, 2) + "; above " +
-                           rounded(along_normal_tolerance, 2) + " an error where triangles have uv area)"));
+                           rounded(along_normal_tolerance, 2) + " an error)"));
   add(report_, finding(Code::pole_tangent, counts.poles.counted(),
                        " (worst " + rounded(counts.poles.worst, 4) + " deg)"));
 }

@@ -53,7 +53,7 @@ TEST(Caps, ABaseIsNoPartOfTheSphere) {
 // A normal of the base that is the sphere's is wrong.
 TEST(Caps, TheBasesNormalsAreJudged) {
   Mesh mesh = half_a_sphere(24, 8);
-  mesh.normals.back() = {1, 0, 0};
+  mesh.normals.back() = mesh.positions.back();
   bool fails = false;
   for (const Assessment& part : assess_parts(mesh)) fails |= part.report.verdict == Verdict::fail;
   EXPECT_TRUE(fails);

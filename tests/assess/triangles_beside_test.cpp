@@ -73,10 +73,33 @@ TEST(TrianglesBeside, AreThoseThatShareAVertex) {
   EXPECT_EQ(triangles_beside(apart)[0].triangles.size(), 6U);
 }
 
-TEST(TrianglesBeside, ManyPrimitivesOfTheSameVerticesAreNoBorder) {
-  std::vector<Primitive> same(20, flattened(1)[0]);
-  for (std::size_t i = 0; i < same.size(); ++i) same[i].primitive = i;
-  for (const Mesh& mesh : triangles_beside(same)) EXPECT_TRUE(mesh.triangles.empty());
+// Coats, and passes of a renderer.
+TEST(TrianglesBeside, TheSameTrianglesAreNotBeside) {
+  for (const std::size_t count : {2, 20}) {
+    std::vector<Primitive> same(count, flattened(1)[0]);
+    for (std::size_t i = 0; i < same.size(); ++i) same[i].primitive = i;
+    for (const Mesh& mesh : triangles_beside(same)) EXPECT_TRUE(mesh.triangles.empty());
+  }
+}
+
+// A quad's far half does not touch the other primitive.
+TEST(TrianglesBeside, BothHalvesOfAQuadAre) {
+  std::vector<Primitive> two(2);
+  two[1].primitive = 1;
+  two[0].data.positions = {{0, 0, 0}, {0, 1, 0}, {-1, 0, 0}};
+  two[0].data.triangles = {{0, 1, 2}};
+  two[1].data.positions = {{1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 2, 0}};
+  two[1].data.triangles = {{0, 1, 2}, {1, 3, 2}};
+  for (Primitive& p : two) p.data.normals.assign(p.data.positions.size(), V{0, 0, 1});
+  EXPECT_EQ(triangles_beside(two)[0].triangles.size(), 2U);
+  two[1].data.positions.push_back({1, 2, 0});
+  two[1].data.normals.push_back({0, 0, 1});
+  two[1].data.triangles = {{2, 0, 1}, {1, 0, 4}};
+  EXPECT_EQ(triangles_beside(two)[0].triangles.size(), 1U);
+  two[1].data.triangles = {{2, 0, 4}, {2, 4, 3}, {0, 1, 4}};
+  EXPECT_EQ(triangles_beside(two)[0].triangles.size(), 2U);
+  two[1].data.triangles = {{0, 2, 1}, {0, 1, 4}};
+  EXPECT_EQ(triangles_beside(two)[0].triangles.size(), 2U) << "a quad 0 2 1 4, of which one half touches";
 }
 
 // Alone, each primitive has normals that are no averages of its own triangles, as many as 80 degrees away.

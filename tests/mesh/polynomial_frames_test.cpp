@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iostream>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -95,14 +95,18 @@ TEST(PolynomialFrames, ChartsThatMeetInEqualUvsStayApart) {
         if (norm(apart.positions[v] - apart.positions[w]) < 1e-12 && apart.uvs[v] == apart.uvs[w])
           v = w, ++joined;
   EXPECT_GT(joined, 0u);
+  // One-sided at the edges of the cube, where h = 1/16: the next derivative times h² (0.023 in another
+  // program) or h³ (0.012). At a corner dpdu and dpdv are 120 degrees apart, and the nearest orthonormal pair
+  // is turned by 15 degrees, 0.26, and more by neighbours on one side (0.316).
+  constexpr std::pair<const char*, double> bounds[] = {
+      {"quadratic", 0.03}, {"cubic", 0.02}, {"procrustes", 0.35}};
   for (const Mesh* mesh : {&apart, &shared})
-    for (const char* method : {"quadratic", "cubic", "procrustes"}) {
+    for (const auto& [method, bound] : bounds) {
       const MeshFrames frames = mesh_frames(*mesh, find_frame_method(method));
       double worst = 0;
       for (std::size_t k = 0; k < mesh->corners(); ++k)
         worst = std::fmax(worst, norm(frames.corner(k).t - dpdu[apart.triangles[k / 3][k % 3]]));
-      std::cout << method << " " << worst << '\n';
-      EXPECT_LE(worst, 0.3);
+      EXPECT_LE(worst, bound) << method;
     }
 }
 

@@ -48,8 +48,6 @@ TEST(FundamentalForms, AreThoseOfTheClosedForms) {
   EXPECT_NEAR(mean_curvature(I, II), -(2 + 2 * 0.5 * sincos_turns(v).cos) / (2 * 0.5 * rho), 32 * roundoff);
 }
 
-// H = κ1 = κ2 = -1/r with n outward, K = 1/r², every point umbilic. At radii whose square overflows or
-// underflows the κ stay right.
 // The forms without a jet and a frame are those with them, of types and of AnySurface, and at a pole.
 TEST(FundamentalForms, TakeTheSurfaceAlone) {
   const Ellipsoid ellipsoid{1.0, 0.7, 0.5};
@@ -73,6 +71,8 @@ TEST(FundamentalForms, TakeTheSurfaceAlone) {
   EXPECT_EQ(christoffel(ellipsoid, 0, 0.5f).u[1], christoffel(ellipsoid, 0.0, 0.5).u[1]);
 }
 
+// H = κ1 = κ2 = -1/r with n outward, K = 1/r², every point umbilic. At radii whose square overflows or
+// underflows the κ stay right.
 TEST(Curvature, OfTheSphere) {
   Random random(1);
   double worst = 0;

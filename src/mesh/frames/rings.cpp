@@ -82,7 +82,7 @@ Rings::Rings(const Mesh& mesh, std::span<const Index> joined, bool by_uvs) : mes
     Index& node = frames.of_corner[c];
     if (!good[c / 3] && !used(node) && used(node ^ 1)) node ^= 1;
   }
-  split_fans();
+  split_fans(good);
   if (!split_from_.empty()) list_triangles(good);
 }
 
@@ -97,24 +97,31 @@ void Rings::list_triangles(const std::vector<bool>& good) {
     for (int k = 0; good[t] && k < 3; ++k) triangles_[next[nodes_[t][k]]++] = static_cast<Index>(t);
 }
 
-// Triangles about a node are of one fan where a chain of edges at the node connects them.
-void Rings::split_fans() {
-  std::vector<std::pair<Index, Index>> ends;  // of an edge at the node: the other end, the triangle's place
-  std::vector<Index> fan, name;  // of each triangle: one before it in its fan; of a fan: its node
+// Triangles about a node are of one fan where a chain of edges at the node connects them, those without area
+// in uv too.
+void Rings::split_fans(const std::vector<bool>& good) {
+  std::vector<Index>& of_corner = frames.of_corner;
+  std::vector<Index> begin(wound() + 1, 0), corners(of_corner.size());
+  for (const Index node : of_corner) ++begin[node + 1];
+  for (std::size_t i = 0; i < wound(); ++i) begin[i + 1] += begin[i];
+  std::vector<Index> next(begin.begin(), begin.end() - 1);
+  for (std::size_t c = 0; c < of_corner.size(); ++c) corners[next[of_corner[c]]++] = static_cast<Index>(c);
+  std::vector<std::pair<Index, Index>> ends;  // of an edge at the node: the other end, the corner's place
+  std::vector<Index> fan, name;               // of each corner: one before it in its fan; of a fan: its node
   const auto root = [&](Index i) {
     while (fan[i] != i) i = fan[i] = fan[fan[i]];
     return i;
   };
   for (Index node = 0; node < wound(); ++node) {
-    const auto about =
-        std::span<const Index>(triangles_).subspan(begin_[node], begin_[node + 1] - begin_[node]);
+    const auto about = std::span<const Index>(corners).subspan(begin[node], begin[node + 1] - begin[node]);
     if (about.size() < 2) continue;
     fan.resize(about.size());
     ends.clear();
     for (Index i = 0; i < about.size(); ++i) {
       fan[i] = i;
-      for (const Index other : nodes_[about[i]])
-        if (other != node) ends.emplace_back(other, i);
+      const Index first = about[i] / 3 * 3;
+      for (Index c = first; c < first + 3; ++c)
+        if (c != about[i]) ends.emplace_back(whole(of_corner[c]), i);
     }
     std::sort(ends.begin(), ends.end());
     std::size_t fans = about.size();
@@ -133,9 +140,8 @@ void Rings::split_fans() {
         name[i] = static_cast<Index>(size());
         split_from_.push_back(node);
       }
-      for (int k = 0; k < 3; ++k)
-        if (nodes_[about[i]][k] == node)
-          nodes_[about[i]][k] = frames.of_corner[3 * std::size_t{about[i]} + k] = name[first];
+      of_corner[about[i]] = name[first];
+      if (good[about[i] / 3]) nodes_[about[i] / 3][about[i] % 3] = name[first];
     }
   }
 }

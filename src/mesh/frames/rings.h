@@ -15,9 +15,9 @@ using Index = std::uint32_t;
 // For each vertex the first that has the same position, normal and, where they count, uv.
 std::vector<Index> join_equal_vertices(const Mesh& mesh, bool by_uvs = true);
 
-// Nodes are vertices, joined where they agree in position, uv and normal, apart where the triangles' uvs wind
-// differently (without uvs all wind alike) and where no edges connect the triangles about them: charts of one
-// atlas each, as the six of a cube, may have equal uvs where they meet.
+// A node is one or more vertices that agree in position, uv and normal. There are two where the triangles'
+// uvs wind differently (without uvs all wind alike), and one for each fan of triangles that edges connect:
+// charts, as the six of a cube, may have equal uvs where they meet.
 class Rings {
  public:
   explicit Rings(const Mesh& mesh) : Rings(mesh, join_equal_vertices(mesh)) {}
@@ -54,7 +54,7 @@ class Rings {
   std::size_t wound() const { return 2 * mesh_.positions.size(); }
   Index whole(Index node) const { return node < wound() ? node : split_from_[node - wound()]; }
   void list_triangles(const std::vector<bool>& good);
-  void split_fans();
+  void split_fans(const std::vector<bool>& good);
 
   const Mesh& mesh_;
   std::vector<Index> split_from_;         // of each further node of a vertex and winding: its first
