@@ -27,7 +27,8 @@ class MikktspaceReference {
 
   MikktspaceReference() = default;
   // \param of_corner one per corner of the mesh
-  MikktspaceReference(const Mesh& mesh, std::span<const Vec4<float>> of_corner, MikktspaceFaces faces);
+  MikktspaceReference(const Mesh& mesh, std::span<const Vec4<float>> of_corner,
+                      MikktspaceFaces faces = MikktspaceFaces::triangles);
 
   bool empty() const { return of_vertex_.empty(); }
   MikktspaceFaces faces() const { return faces_; }
