@@ -251,12 +251,7 @@ void close_what_is_left(std::vector<Assessment>& assessments) {
     return assessment.report.without_errors == Verdict::pass;
   });
   if (!passes) return;
-  for (Assessment& assessment : assessments) {
-    MeshReport& report = assessment.report;
-    if (report.without_errors != Verdict::undetermined) continue;
-    report.without_errors = Verdict::pass;
-    if (report.verdict == Verdict::undetermined) report.verdict = Verdict::pass;
-  }
+  for (Assessment& assessment : assessments) pass_if_undetermined(assessment.report);
 }
 
 void note_budget(MeshReport& report, const SearchBudget& budget) {
