@@ -172,7 +172,7 @@ Eigen::MatrixXd information(const PlacedSurface& truth, const Eigen::Vector3d& c
     auto below = values, above = values;
     below[k] -= step;
     above[k] += step;
-    beside.push_back({truth.surface.with_parameters(below), truth.surface.with_parameters(above)});
+    beside.push_back({truth.surface.with(below), truth.surface.with(above)});
   }
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(6 + n, 6 + n), rows(6 + n, 3);
   for (std::size_t i = 0; i < points.cloud.uvs.size(); ++i) {
