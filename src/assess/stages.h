@@ -41,11 +41,4 @@ struct MeshPart {
   Recognition recognition{};
 };
 
-// Where nothing could judge it, and what it is a piece of passes.
-inline void pass_if_undetermined(MeshReport& report) {
-  if (report.without_errors != Verdict::undetermined) return;
-  report.without_errors = Verdict::pass;
-  if (report.verdict == Verdict::undetermined) report.verdict = Verdict::pass;
-}
-
 }  // namespace darboux

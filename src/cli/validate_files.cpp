@@ -11,7 +11,6 @@
 
 #include <fnmatch.h>
 
-#include "assess/stages.h"
 #include "assets/triangles_beside.h"
 #include "base/extension.h"
 #include "io/json_cursor.h"

@@ -89,4 +89,11 @@ struct NamedReport {
 // winding: by these w reads the other way round.
 void compare_conventions(std::span<const NamedReport> parts);
 
+// Where nothing could judge it, and what it is a piece of passes.
+inline void pass_if_undetermined(MeshReport& report) {
+  if (report.without_errors != Verdict::undetermined) return;
+  report.without_errors = Verdict::pass;
+  if (report.verdict == Verdict::undetermined) report.verdict = Verdict::pass;
+}
+
 }  // namespace darboux

@@ -252,7 +252,8 @@ TEST(Cards, NormalsOfTheGroundOnBothSides) {
     for (const std::uint32_t v : {3U, back + 3}) other.positions[v].z += warp;
     const MeshReport report = assess(other).report;
     EXPECT_EQ(errors(report), "") << warp;
-    EXPECT_GE(count_of(report, "NORMAL_ANGLE", Severity::warning), warp == 0 ? other.corners() : 12) << warp;
+    // Bent quads have normals of their own, between which and those of the back some lie.
+    EXPECT_GE(count_of(report, "NORMAL_ANGLE", Severity::warning), warp == 0 ? other.corners() : 8) << warp;
   }
   // The ridge of a thin wedge is no border, though its sides are folded and joined by the base.
   Mesh wedge;
@@ -386,7 +387,7 @@ TEST(CoarseMeshes, OneTexelLeavesTangentsOpen) {
   }
   report = assess(mesh).report;
   EXPECT_EQ(report.verdict, Verdict::pass) << errors(report);
-  EXPECT_EQ(count_of(report, "TANGENT_NOT_ORTHOGONAL", Severity::warning), mesh.corners());
+  EXPECT_EQ(count_of(report, "TANGENT_NOT_ORTHOGONAL", Severity::warning), 0U) << "nobody sees them";
   // That none was judged is said.
   EXPECT_EQ(count_of(report, "UV_WITHOUT_AREA", Severity::info), mesh.corners());
   // Without uvs nothing says that nobody sees them.

@@ -31,7 +31,7 @@ std::string said(const MeshReport& report) {
 // A smooth octahedron, flattened, with averages of all its triangles for normals; each triangle k is one of
 // primitive k % primitives.
 std::vector<Primitive> flattened(std::size_t primitives) {
-  const V x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 0.3};
+  const V x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 0.05};
   const V corner[] = {x, y, -x, -y, z, -z};
   const Triangle faces[] = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4},
                             {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}};

@@ -192,7 +192,7 @@ std::vector<Rule> rules(const Includes& tree) {
       {"the command line knows public headers, reports, base, and the faces that rooms show it", "src/cli/.*",
        "",
        "(?!report/|base/|study/|io/(files|input|json_cursor|scene_file|scene_tiles|unfinished)\\.h|assets/"
-       "(map_source|scene_of_gltf)\\.h|validate/"
+       "(map_source|scene_of_gltf|triangles_beside)\\.h|validate/"
        "findings\\.h)"
        "(surface|mesh|evaluate|any_surface|laws|local_jets|validate|fit|assess|converge|scene|normal_map|io|"
        "assets)/.*"},
