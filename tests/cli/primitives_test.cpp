@@ -20,7 +20,7 @@ using V = Vec3<double>;
 // Normals are radial, as smooth shading has them; tangents are MikkTSpace's: in each corner along u.
 struct SmoothCube {
   std::string buffer;
-  Json gltf = {{"asset", {{"version", "2.0"}}}, {"meshes", {{{"primitives", Json::array()}}}}};
+  Json gltf, primitives = Json::array();
 
   std::size_t accessor(const std::vector<float>& numbers, const char* type, std::size_t components) {
     std::string bytes(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(float));
@@ -50,34 +50,37 @@ struct SmoothCube {
         add(tangents, unit(a - dot(a, n) * n));
         tangents.push_back(1);
       }
-      gltf["meshes"][0]["primitives"].push_back({{"attributes",
-                                                  {{"POSITION", accessor(positions, "VEC3", 3)},
-                                                   {"NORMAL", accessor(normals, "VEC3", 3)},
-                                                   {"TEXCOORD_0", accessor(uvs, "VEC2", 2)},
-                                                   {"TANGENT", accessor(tangents, "VEC4", 4)}}}});
+      primitives.push_back({{"attributes",
+                             {{"POSITION", accessor(positions, "VEC3", 3)},
+                              {"NORMAL", accessor(normals, "VEC3", 3)},
+                              {"TEXCOORD_0", accessor(uvs, "VEC2", 2)},
+                              {"TANGENT", accessor(tangents, "VEC4", 4)}}}});
     }
   }
 
-  void write(const std::string& path) {
-    gltf["buffers"] = {
-        {{"byteLength", buffer.size()}, {"uri", "data:application/octet-stream;base64," + base64(buffer)}}};
+  // \param meshes lists of primitives
+  void write(const std::string& path, const std::vector<Json>& meshes) {
+    gltf["asset"]["version"] = "2.0";
+    gltf["meshes"] = Json::array();
+    for (const Json& of_mesh : meshes) gltf["meshes"].emplace_back()["primitives"] = of_mesh;
+    Json& only = gltf["buffers"][0];
+    only["byteLength"] = buffer.size();
+    only["uri"] = "data:application/octet-stream;base64," + base64(buffer);
     std::ofstream(path) << gltf;
   }
 };
 
 TEST_F(Cli, ASmoothMeshOfManyMaterialsPasses) {
   SmoothCube cube;
-  cube.write(path("cube.gltf"));
+  cube.write(path("cube.gltf"), {cube.primitives});
   const Json document = json("darboux validate cube.gltf --json");
   EXPECT_EQ(document["verdict"], "pass");
   for (const Json& mesh : document["files"][0]["meshes"])
     for (const Json& finding : mesh["findings"]) EXPECT_EQ(finding["severity"], "info") << finding;
-  // Each alone, in a mesh of its own, has normals far from its only triangles.
-  Json meshes = Json::array();
-  for (const Json& primitive : cube.gltf["meshes"][0]["primitives"])
-    meshes.push_back({{"primitives", {primitive}}});
-  cube.gltf["meshes"] = meshes;
-  cube.write(path("sides.gltf"));
+  // Each alone, in a mesh of its own, is judged by its only triangles.
+  std::vector<Json> alone;
+  for (const Json& primitive : cube.primitives) alone.push_back(Json::array({primitive}));
+  cube.write(path("sides.gltf"), alone);
   EXPECT_NE(json("darboux validate sides.gltf --json", 1)["verdict"], "pass");
 }
 
