@@ -165,8 +165,8 @@ struct ValidateOptions {
   /// the set.
   std::span<const std::pair<int, std::vector<Vec2<double>>>> other_uvs{};
   /// Triangles on which the mesh's surface goes on, as those of a glTF mesh's other primitives, with the same
-  /// attributes. They are not judged, but normals and tangents at vertices of the same position and normal may
-  /// be averages over them too. Ignored where the tangents follow other uvs than the mesh's. Null: none.
+  /// attributes. They are not judged, but normals and tangents at vertices of the same position and normal
+  /// may be averages over them too. Ignored where the tangents follow other uvs than the mesh's. Null: none.
   const Mesh* beside = nullptr;
   /// The sign convention of the file's format. Tangents that follow the other one are reported as
   /// TANGENT_HANDEDNESS_CONVENTION or, if the format's is raw, as BINORMAL_AGAINST_V.
