@@ -65,8 +65,8 @@ Christoffel<S> christoffel(const X& surface, S u, S v, const Jet2<S>& j, const F
   return symbols;
 }
 
-/// Γ^k_ij with d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part) at (u, v), without units. Not all are
-/// finite where dpdu and dpdv span no plane. Costs jet() and frame(), and 50 us where terms cancel.
+/// Γ^k_ij with d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part) at (u, v), without units. Not all
+/// are finite where dpdu and dpdv span no plane. Costs jet() and frame(), and 50 us where terms cancel.
 template <class X, std::floating_point S>
 requires std::is_class_v<X> Christoffel<S> christoffel(const X& surface, S u, S v) {
   return christoffel(surface, u, v, detail::jet_of(surface, u, v), detail::frame_of(surface, u, v));

@@ -16,8 +16,8 @@ namespace darboux {
 /// The parallel surface P + d n at signed distance d along the base's normal. n is the base's; the handedness
 /// turns over where d passes a focal point, d κ > 1 for one principal curvature κ. The partials need third
 /// derivatives of the base: nested dual numbers over its normal, some twenty times the cost. Principal
-/// curvatures κ / (1 - d κ). At a focal point of dpdu there is no frame (no_frame, dpdu_zero), and beside it
-/// t has lost digits (ill_conditioned from half of them on); at one of dpdv the frame is the base's
+/// curvatures κ / (1 - d κ). At a focal point of dpdu there is no frame (no_frame, dpdu_zero), and beside
+/// it t has lost digits (ill_conditioned from half of them on); at one of dpdv the frame is the base's
 /// (limit_frame, dpdv_zero). At a conical point of the base n turns with u, and the parallel surface is
 /// regular. Where the base's frame is a limit that d2pduv does not give, there is a position and no frame.
 /// [doCarmo2016, sec. 3-5]

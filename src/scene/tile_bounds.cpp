@@ -156,7 +156,8 @@ double most_facing(const EnclosedTile& s, const Vec3<double>& e, double offset) 
 
 TileRates rates_of(const RoundProfile& s) {
   const double per_v = s.major_radius == 0 ? pi : tau, rho = s.major_radius + s.radius * s.profile.most(1, 0);
-  // n = (cos x cos φ, cos x sin φ, sin x), t = (-sin φ, cos φ, 0), b = (-sin x cos φ, -sin x sin φ, cos x)
+  // n = (cos x cos φ, cos x sin φ, sin x), t = (-sin φ, cos φ, 0),
+  // b = (-sin x cos φ, -sin x sin φ, cos x)
   const double sine = most_sine(s.profile), cosine = most_cosine(s.profile),
                bend = tau * tau * std::fmin(sine * cosine, 0.5);
   return {.position_uu = tau * tau * rho,
@@ -194,8 +195,8 @@ TileRates rates_of(const ScaledSphere& s) {
   return r;
 }
 TileRates rates_of(const StraightProfile& s) {
-  // All turns round the axis: n = (n_rho cos φ, n_rho sin φ, n_z), t = (-sin φ, cos φ, 0), b = (-n_z cos φ,
-  // -n_z sin φ, n_rho)
+  // All turns round the axis: n = (n_rho cos φ, n_rho sin φ, n_z), t = (-sin φ, cos φ, 0),
+  // b = (-n_z cos φ, -n_z sin φ, n_rho)
   const double bend = tau * tau * std::fabs(s.n_rho * s.n_z);
   return {.position_uu = tau * tau * most_absolute(s.rho[0], s.rho[1]),
           .position_uv = s.rate_uv,

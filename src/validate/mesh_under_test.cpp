@@ -154,12 +154,9 @@ void append(const Mesh& other, Mesh& mesh) {
 MikktspaceReference reference_of_both(const Mesh& mesh, const MikktspaceReference& own, const Mesh& both,
                                       int threads) {
   const std::size_t given = stored_corners(mesh, own);
-  std::vector<std::uint32_t> vertices(mesh.positions.size()), triangles(mesh.triangles.size());
-  std::iota(vertices.begin(), vertices.end(), 0U);
-  std::iota(triangles.begin(), triangles.end(), 0U);
   if (given < mesh.corners()) {
     MikktspaceReference of_both = mikktspace_reference(both, both.uvs, threads);
-    if (stored_corners(mesh, of_both.restricted_to(mesh, vertices, triangles)) > given) return of_both;
+    if (stored_corners(mesh, of_both) > given) return of_both;  // the mesh's corners come first
   }
   std::vector<Vec4<float>> of_corner(both.corners(), Vec4<float>{0, 0, 0, 0});
   for (std::size_t c = 0; c < mesh.corners(); ++c) of_corner[c] = own.at(c, mesh.triangles[c / 3][c % 3]);

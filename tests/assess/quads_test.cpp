@@ -14,18 +14,14 @@
 #include <darboux/frame.h>
 #include <darboux/mikktspace.h>
 
+#include "said.h"
+
 namespace darboux::quads_test {
 namespace {
 
+using test::said;
 using V = Vec3<double>;
 using Quad = std::array<std::uint32_t, 4>;
-
-std::string said(const MeshReport& report) {
-  std::string text;
-  for (const Finding& f : report.findings)
-    if (f.severity != Severity::info) text += std::string(f.code) + ": " + f.message + '\n';
-  return text;
-}
 
 float rounded(double x) {
   return static_cast<float>(x);

@@ -13,20 +13,14 @@
 #include <darboux/error.h>
 #include <darboux/frame.h>
 #include <darboux/io.h>
-#include <darboux/mesh_frames.h>
-#include <darboux/vertex_normals.h>
+
+#include "said.h"
 
 namespace darboux::triangles_beside_test {
 namespace {
 
+using test::said;
 using V = Vec3<double>;
-
-std::string said(const MeshReport& report) {
-  std::string text;
-  for (const Finding& f : report.findings)
-    if (f.severity != Severity::info) text += std::string(f.code) + ": " + f.message + '\n';
-  return text;
-}
 
 // A smooth octahedron, flattened, with averages of all its triangles for normals; each triangle k is one of
 // primitive k % primitives.

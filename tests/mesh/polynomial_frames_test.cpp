@@ -96,8 +96,8 @@ TEST(PolynomialFrames, ChartsThatMeetInEqualUvsStayApart) {
           v = w, ++joined;
   EXPECT_GT(joined, 0u);
   // One-sided at the edges of the cube, where h = 1/16: the next derivative times h² (0.023 in another
-  // program) or h³ (0.012). At a corner dpdu and dpdv are 120 degrees apart, and the nearest orthonormal pair
-  // is turned by 15 degrees, 0.26, and more by neighbours on one side (0.316).
+  // program) or h³ (0.012). At a corner dpdu and dpdv are 120 degrees apart, and the nearest orthonormal
+  // pair is turned by 15 degrees, 0.26, and more by neighbours on one side (0.316).
   constexpr std::pair<const char*, double> bounds[] = {
       {"quadratic", 0.03}, {"cubic", 0.02}, {"procrustes", 0.35}};
   for (const Mesh* mesh : {&apart, &shared})

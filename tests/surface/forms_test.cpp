@@ -132,8 +132,8 @@ TEST(Curvature, OfTheCylinder) {
 
 INSTANTIATE_TEST_SUITE_P(Catalogue, Forms, ::testing::ValuesIn(all_surfaces()), test_name);
 
-// S is the one operator with S dpdu · dpdu = L, S dpdu · dpdv = M, S dpdv · dpdv = N; K is its determinant, H
-// half its trace.
+// S is the one operator with S dpdu · dpdu = L, S dpdu · dpdv = M, S dpdv · dpdv = N; K is its
+// determinant, H half its trace.
 TEST_P(Forms, ShapeOperatorIsThatOfTheSecondForm) {
   for_points(1, 20, [&](double u, double v, Random&) {
     const Jet2<M> j = jet(u, v);
@@ -235,8 +235,8 @@ TEST_P(Forms, PrincipalFrameIsOrdered) {
     EXPECT_GE(c.principal[0], c.principal[1]);
     // a, c and m are at most k: both sides are a few roundings of them.
     EXPECT_NEAR(c.gaussian, c.principal[0] * c.principal[1], 16 * roundoff * k * k);
-    // H is the surface's own where a + c cancels: then the error of both κ is left, 8u times (1 + condition),
-    // the condition at most 3 here.
+    // H is the surface's own where a + c cancels: then the error of both κ is left, 8u times
+    // (1 + condition), the condition at most 3 here.
     EXPECT_NEAR(c.mean, (c.principal[0] + c.principal[1]) / 2, 32 * roundoff * k);
     // The frame's own deviation from orthonormality, 16u where it is made from partials, and the roundings of
     // the sum.
@@ -284,8 +284,8 @@ TEST(Forms, PrincipalDirectionsOfRevolutionHaveOneSign) {
   EXPECT_GT(along_b, 5000u);
 }
 
-// Meusnier and Euler: a curve through the point bends in the direction of n by κ1 cos² + κ2 sin², whatever
-// the curve. Its second derivative comes from differences of the position: no partials.
+// Meusnier and Euler: a curve through the point bends in the direction of n by κ1 cos² + κ2 sin²,
+// whatever the curve. Its second derivative comes from differences of the position: no partials.
 TEST_P(Forms, CurvesBendByEulersFormula) {
   for_points(6, 20, [&](double u, double v, Random& random) {
     const double du = random.uniform(-1, 1), dv = random.uniform(-1, 1), bend = random.uniform(-1, 1);
@@ -456,8 +456,8 @@ TEST(GaussBonnet, TorusHasNone) {
 }
 
 TEST(GaussBonnet, SphereHasFourPi) {
-  // The midpoint rule on 2π² sin πv errs by the factor π²/(24 n²), here 1.6e-6 of 4π = 2.0e-5; its next term
-  // is that squared.
+  // The midpoint rule on 2π² sin πv errs by the factor π²/(24 n²), here 1.6e-6 of 4π = 2.0e-5; its
+  // next term is that squared.
   constexpr int n = 512;
   constexpr double full = 4 * std::numbers::pi, slack = std::numbers::pi * std::numbers::pi / (24.0 * n * n);
   EXPECT_NEAR(total_curvature(Sphere{3.0}, n), full * (1 + slack), full * 2 * slack * slack + 1e-12);
