@@ -15,4 +15,16 @@ std::string Lengths::text() const {
   return from == to ? " (length " + to + ")" : " (lengths " + from + " to " + to + ")";
 }
 
+Finding warning(Code code, std::size_t count, const std::string& more, const Reason& reason) {
+  Finding result = warning(code, count, more + std::string(reason.why));
+  if (!reason.to_do.empty()) result.to_do = reason.to_do;
+  return result;
+}
+
+bool CornerCounts::are_few(Code code, std::size_t corners) const {
+  constexpr std::size_t in = 500;
+  return code == Code::tangent_angle && tangents.by_surface == 0 &&
+         in * of_error[static_cast<std::size_t>(code)] < corners;
+}
+
 }  // namespace darboux

@@ -12,6 +12,13 @@
 
 namespace darboux {
 
+// Why a deviation is no error, and what to do then; empty: what its kind says.
+struct Reason {
+  std::string_view why, to_do;
+};
+// With its why behind the message.
+Finding warning(Code code, std::size_t count, const std::string& more, const Reason& reason);
+
 // How many corners of a code there are, and the worst of them.
 struct Beyond {
   std::size_t by_surface = 0, by_triangles = 0, in_all = 0;
@@ -42,12 +49,11 @@ struct CornerCounts {
   double most_along_normal = 0;
   std::size_t in_plane = 0;
   std::vector<Vec3<double>> planes;  // of each vertex, once they are asked for
+
+  // Errors of which the triangles alone tell, at so few of the corners that slivers may cause them.
+  bool are_few(Code code, std::size_t corners) const;
 };
 
-// Why a deviation is no error, and what to do then; empty: what its kind says.
-struct Reason {
-  std::string_view why, to_do;
-};
 namespace reasons {
 
 inline constexpr Reason unsure{
@@ -65,6 +71,12 @@ inline constexpr Reason unsure{
         "; outside the cone of their own triangles, which are too coarse to tell: neighbouring vertices "
         "allow it",
         "nothing, or refine the mesh there"},
+    few{"; fewer than 1 in 500 corners, told by their own triangles alone, which may have been cut or "
+        "simplified "
+        "since",
+        "nothing, if triangles were cut, simplified or quantised after tangents were computed; else "
+        "recompute "
+        "tangents"},
     nearby{"; told by neighbouring vertices alone, so only what is beyond three times the limit counts", ""},
     lit_otherwise{
         "; more than 80 deg from their own triangles, at borders or where normals are smooth, which may be "

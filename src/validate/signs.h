@@ -17,7 +17,8 @@ struct SignCount {
 
 // Of the whole mesh and of each island, over the corners of triangles with uv area. Not counted are corners
 // where w has no one meaning: the normal is more than 80 degrees from the triangle (the uvs' winding says one
-// sign, the side of dpdv the other), or the dpdu of the vertex's triangles go all round it.
+// sign, the side of dpdv the other), the dpdu of the vertex's triangles go all round it, or one of these
+// triangles has no uv area, and may have given its sign to all.
 class Signs {
  public:
   Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> checks);
@@ -50,7 +51,8 @@ class Signs {
   std::span<const VertexChecks> checks_;
   SignCount all_;
   std::vector<SignCount> islands_;
-  std::vector<bool> all_round_;  // as OwnDirections has them; empty: none
+  // As OwnDirections has them, and vertices of triangles without a certain uv area; empty: none.
+  std::vector<bool> all_round_, beside_no_uv_area_;
 };
 
 }  // namespace darboux

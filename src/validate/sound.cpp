@@ -322,6 +322,20 @@ std::vector<bool> unsupported_normals(const Mesh& mesh, const std::vector<bool>&
   return result;
 }
 
+// A bent quad cut the other way, or a sliver, tilts a triangle away from a few normals, but hardly turns it
+// over.
+bool are_slivers(const std::vector<bool>& unsupported, const std::vector<bool>& asked,
+                 const std::vector<bool>& in_front) {
+  std::size_t those = 0, all = 0;
+  for (std::size_t v = 0; v < asked.size(); ++v) {
+    all += asked[v];
+    if (!unsupported[v]) continue;
+    if (!in_front[v]) return false;
+    ++those;
+  }
+  return 10 * those < all;
+}
+
 }  // namespace
 
 double cosine_between(const Vec3<double>& t, const Vec3<double>& n) {
@@ -373,8 +387,10 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   const Planes planes(mesh);
   const double least = std::cos(supported_deg / degrees_per_radian),
                least_near = std::cos(near_deg / degrees_per_radian),
+               least_in_front = std::cos(in_front_deg / degrees_per_radian),
                rounding = std::numbers::sqrt3 * half_step(mesh.half_steps.normal, 1);
-  std::vector<bool> asked(n, false), supported(n, false), near(n, false), agrees(n, false);
+  std::vector<bool> asked(n, false), supported(n, false), near(n, false), in_front(n, false),
+      agrees(n, false);
   // Triangles on the side of a position and normal, less the others.
   std::vector<std::int32_t> agreeing(n, 0);
   result.drawn.assign(n, false);
@@ -410,6 +426,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
       // cos(80° + the uncertainty) |m|, to first order.
       if (is_within(least - plane.uncertain))
         supported[v] = true, agrees[v] = agrees[v] || plane.uncertain < 1;
+      if (is_within(least_in_front - plane.uncertain)) in_front[v] = true;
       // At most cos(60° + asin(the uncertainty) + the rounding).
       if (is_within(least_near - 2 * (plane.uncertain + rounding))) near[v] = true;
       candidate = candidate && along > 0 && along * along >= (1 - own * own) * square;
@@ -432,7 +449,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   result.may_be_meant.assign(n, false);
   result.departing.assign(n, false);
   if (!result.all_oppose) {
-    for (std::vector<bool>* those : {&supported, &near}) share(joins, *those);
+    for (std::vector<bool>* those : {&supported, &near, &in_front}) share(joins, *those);
     result.departing = far_from_all(mesh, joins, asked, near);
     for (std::uint32_t v = 0; v < n; ++v)
       if (!supported[v]) result.departing[v] = false;
@@ -443,6 +460,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
           may_be_transferred(mesh, has_area, joins, result.unsupported, result.may_be_meant);
       for (std::uint32_t v = 0; v < n; ++v)
         if (transferred[v]) result.may_be_meant[v] = true;
+      if (are_slivers(result.unsupported, asked, in_front)) result.may_be_meant = result.unsupported;
     }
   }
   result.faceted_vertices.assign(n, false);

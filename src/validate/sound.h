@@ -39,6 +39,7 @@ double cosine_between(const Vec3<double>& t, const Vec3<double>& n);
 std::vector<Vec3<double>> planes_of_vertices(const Mesh& mesh, const VertexJoins& joins);
 
 constexpr double supported_deg = 80;  // how far a normal may be from all triangles that share it
+constexpr double in_front_deg = 100;  // beyond, it is on the triangles' back
 constexpr double near_deg = 60;       // away from borders exact normals of coarse meshes are nearer
 
 // The stored normals beside the planes of the triangles.
@@ -47,7 +48,7 @@ struct NormalChecks {
                                   // shares it, no common average of these, and not on a hull turned inside
                                   // out around the same mesh
   // At the borders of triangles that lie back to back, as of leaves on cards, or as transferred_normals.h has
-  // it.
+  // it; or all unsupported ones, if fewer than a tenth of the normals are and none is beyond in_front_deg.
   std::vector<bool> may_be_meant;
   std::vector<bool> departing;  // more than near_deg from every triangle that shares it, no common average,
                                 // and not unsupported

@@ -440,6 +440,10 @@ void MeshValidation::add_errors(const CornerCounts& counts) {
   for (std::size_t k = 0; k < corner_errors; ++k) {
     const auto code = static_cast<Code>(k);
     if (counts.of_error[k] == 0) continue;
+    if (counts.are_few(code, mesh_.corners())) {
+      add(report_, warning(code, counts.of_error[k], more(code), reasons::few));
+      continue;
+    }
     Finding found = finding(code, counts.of_error[k], more(code));
     if (code == Code::tangent_not_orthogonal &&
         static_cast<double>(counts.in_plane) >= explains_most * static_cast<double>(counts.of_error[k])) {
@@ -456,11 +460,6 @@ void MeshValidation::add_errors(const CornerCounts& counts) {
 }
 
 void MeshValidation::add_warnings(const CornerCounts& counts) {
-  const auto warn = [&](Code code, std::size_t count, const std::string& more, const Reason& reason) {
-    Finding found = warning(code, count, more);
-    if (!reason.to_do.empty()) found.to_do = reason.to_do;
-    add(report_, std::move(found));
-  };
   for (const auto& [code, b, reason] :
        {std::tuple{Code::tangent_angle, counts.surface_tangents, reasons::unsure},
         {Code::normal_angle, counts.surface_normals, reasons::unsure},
@@ -471,11 +470,11 @@ void MeshValidation::add_warnings(const CornerCounts& counts) {
         {Code::tangent_angle, counts.chord_tangents, reasons::chords},
         {Code::tangent_angle, counts.local_tangents, reasons::nearby},
         {Code::normal_angle, counts.local_normals, reasons::nearby}}) {
-    warn(code, b.counted(), worst_text(b.worst, std::string(reason.why)), reason);
+    add(report_,
+        warning(code, b.counted(), worst_text(b.worst, std::string(reason.why)), {"", reason.to_do}));
   }
-  warn(Code::normal_angle, counts.lit_otherwise, std::string(reasons::lit_otherwise.why),
-       reasons::lit_otherwise);
-  warn(Code::normal_angle, counts.departing, std::string(reasons::departing.why), reasons::departing);
+  add(report_, warning(Code::normal_angle, counts.lit_otherwise, "", reasons::lit_otherwise));
+  add(report_, warning(Code::normal_angle, counts.departing, "", reasons::departing));
   add(report_, warning(Code::tangent_not_orthogonal, counts.leaning,
                        " (|t.n| > " + rounded(orthogonal_tolerance, 2) + "; above " +
                            rounded(along_normal_tolerance, 2) + " an error)"));
