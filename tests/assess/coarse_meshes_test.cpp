@@ -267,7 +267,7 @@ TEST(Cards, NormalsOfTheGroundOnBothSides) {
   Mesh wide = sheet(3, [](double x, double y) { return 0.1 * std::sin(3 * x + y); });
   average_normals(wide, Average::area);
   EXPECT_EQ(errors(assess(two_sided(wide, false)).report), "");
-  wide.normals[5] = {0, 1, 0};
+  for (const std::size_t v : {5, 6, 9, 10}) wide.normals[v] = {0, 1, 0};
   for (const bool shared : {true, false})
     EXPECT_GT(count_of(assess(two_sided(wide, shared)).report, "NORMAL_ANGLE", Severity::error), 0U)
         << shared;
@@ -458,7 +458,7 @@ TEST(CoarseMeshes, UvsMayFold) {
     // Where folds meet, directions go all round, so that triangles do not speak for a tangent.
     EXPECT_LE(count_of(report, "TANGENT_ANGLE", Severity::warning), n == 8 ? 4U : 0U) << n;
     if (n < 16) continue;
-    // One of them between folds, turned.
+    // One of them between folds, turned: a warning, as one corner may lie at a sliver.
     const auto between = static_cast<std::size_t>(
         std::find_if(mesh.uvs.begin(), mesh.uvs.end(),
                      [](const Vec2<double>& uv) { return uv.x == 0.625 && uv.y == 0.375; }) -
@@ -466,7 +466,7 @@ TEST(CoarseMeshes, UvsMayFold) {
     ASSERT_LT(between, mesh.uvs.size());
     const V t = cross(mesh.normals[between], mesh.tangents[between].xyz());
     mesh.tangents[between] = {t.x, t.y, t.z, mesh.tangents[between].w};
-    EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_ANGLE", Severity::error), 1U) << n;
+    EXPECT_EQ(count_of(assess(mesh).report, "TANGENT_ANGLE", Severity::warning), 1U) << n;
   }
 }
 
