@@ -1,15 +1,8 @@
 #include "averages.h"
 
-#include <algorithm>
-
 #include "normal_cones.h"
 
 namespace darboux {
-namespace {
-
-constexpr double most_followed_deg = 30;  // from an average, of normals that follow their triangles
-
-}  // namespace
 
 Averages::Averages(const MeshUnderTest& under_test, const Accurate& accurate,
                    std::span<const VertexChecks> checks, std::span<const std::uint32_t> corners_of) {
@@ -39,7 +32,7 @@ Averages::Averages(const MeshUnderTest& under_test, const Accurate& accurate,
   std::vector<double> within_deg(n, 1);
   for (std::uint32_t v = 0; v < n; ++v)
     if (normals[v] && under_test.classes.of_vertex[v] != VertexClass::border)
-      within_deg[v] = std::clamp(0.5 * accurate.angles(v).normal, 1.0, most_followed_deg);
+      within_deg[v] = followed_deg(accurate.angles(v).normal);
   normals_ = are_average_normals(mesh, joins, normals, within_deg);
   std::size_t beyond = 0, averages = 0;
   for (std::size_t v = 0; v < n; ++v) {

@@ -14,6 +14,7 @@
 #include "base/text.h"
 #include "findings.h"
 #include "mesh/area_vector.h"
+#include "mesh/frames/creases.h"
 #include "normal_cones.h"
 
 namespace darboux {
@@ -258,6 +259,35 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
   return samples;
 }
 
+// Less those off their facet whose normals lie between it and a triangle beside it that turns little from it:
+// round surfaces have such, as a cone's apex, where each column has a vertex of its own.
+std::vector<Pair> without_rounded(const MeshUnderTest& under_test, std::vector<Pair> samples) {
+  constexpr double most_turn_deg = 50, within_deg = 1;
+  const Mesh& mesh = under_test.mesh;
+  const double side = under_test.normals.all_oppose ? -1 : 1;
+  std::vector<bool> rounded(mesh.positions.size(), false);
+  VertexJoins of_part;
+  const std::vector<std::uint32_t>& places = joins_of(under_test, of_part).position;
+  for_each_shared_edge(
+      mesh.triangles.size(), mesh.positions.size(),
+      [&](std::uint32_t t, std::uint32_t k) { return places[mesh.triangles[t][k]]; },
+      [&](const SharedEdge& e) {
+        const Triangle &a = mesh.triangles[e.triangle[0]], &b = mesh.triangles[e.triangle[1]];
+        const Vec3<double> of_a = side * unit(area_vector(mesh, a)), of_b = side * unit(area_vector(mesh, b));
+        const double turn = angle_deg(of_a, of_b);
+        if (!(turn <= most_turn_deg)) return;
+        for (const Triangle& triangle : {a, b})
+          for (const std::uint32_t v : triangle)
+            if (angle_deg(of_a, mesh.normals[v]) + angle_deg(mesh.normals[v], of_b) <= turn + within_deg)
+              rounded[v] = true;
+      });
+  samples.erase(
+      std::remove_if(samples.begin(), samples.end(),
+                     [&](const Pair& s) { return rounded[s.corner] && angle_deg(s.stored, s.t) > s.limit; }),
+      samples.end());
+  return samples;
+}
+
 // Normals whose estimates from the neighbours have three standard deviations within two fifths of the limit.
 constexpr double known_to = 0.4;
 std::vector<Pair> normals_of_neighbours(const MeshUnderTest& under_test, double limit) {
@@ -305,7 +335,8 @@ bool add_map(const MeshUnderTest& under_test, const std::vector<Pair>& samples, 
 bool diagnose_unknown(const MeshUnderTest& under_test, const ValidateOptions& options, MeshReport& report) {
   if (under_test.mesh.normals.empty()) return false;
   const double limit = options.max_angle_deg;
-  const std::vector<Pair> facets = normals_of_facets(under_test, limit / 5);
+  std::vector<Pair> facets = normals_of_facets(under_test, limit / 5);
+  if (are_off(facets)) facets = without_rounded(under_test, std::move(facets));
   if (are_off(facets) && add_map(under_test, facets, limit / 5, report)) return true;
   const std::vector<Pair> samples = normals_of_neighbours(under_test, limit);
   return are_off(samples) && !are_averages(under_test, samples) &&

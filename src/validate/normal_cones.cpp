@@ -141,4 +141,8 @@ std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins
   return result;
 }
 
+double followed_deg(double deg) {
+  return std::clamp(0.5 * deg, 1.0, 30.0);
+}
+
 }  // namespace darboux

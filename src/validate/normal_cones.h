@@ -18,4 +18,8 @@ std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins
                                       const std::vector<bool>& vertices,
                                       std::span<const double> within_deg = {});
 
+// How far from an average a normal may be that follows its triangles rather than a reference that it is
+// deg from: half as far, 1 to 30 degrees.
+double followed_deg(double deg);
+
 }  // namespace darboux

@@ -41,9 +41,13 @@ Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,
                              claim_of(a.projected_tangent, deviation, limit) != Claim::beyond;
   }
   if (std::find(beyond.begin(), beyond.end(), true) == beyond.end()) return result;
+  // Beside slivers and poles polynomials may be anything.
+  std::vector<double> within_deg(n, 1);
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (beyond[v]) within_deg[v] = followed_deg(result.angles[v].normal);
   VertexJoins of_part;
   const std::vector<bool> average =
-      are_average_normals(under_test.mesh, joins_of(under_test, of_part), beyond);
+      are_average_normals(under_test.mesh, joins_of(under_test, of_part), beyond, within_deg);
   for (std::uint32_t v = 0; v < n; ++v)
     if (average[v]) result.normals[v] = Claim::none;
   return result;

@@ -414,7 +414,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
         candidate = false;
         continue;
       }
-      opposing += along < 0;
+      opposing += along < 0 && along * along > plane.uncertain * plane.uncertain * square;
       ++corners;
       asked[v] = true;
       if (plane.uncertain < 1) agreeing[joins.position_and_normal[v]] += along < 0 ? -1 : 1;
