@@ -14,6 +14,7 @@
 #include "base/text.h"
 #include "findings.h"
 #include "mesh/area_vector.h"
+#include "mesh/frames/corner.h"
 #include "mesh/frames/creases.h"
 #include "normal_cones.h"
 
@@ -175,24 +176,38 @@ bool are_turned(const MeshUnderTest& under_test, const std::vector<Pair>& sample
   return true;
 }
 
-// The linear map M that takes the stored vectors to the reference's t, up to their length: the least of sum
-// |T x M t|² at |M| = 1. \returns what it does, where it explains nearly all
+// Unit vectors that span the stored ones, a column each: two where these lie in one plane, as the normals of
+// a cylinder do.
+Eigen::MatrixXd span_of(const std::vector<Pair>& samples) {
+  constexpr double flat = 1e-6;
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+  for (const Pair& s : samples) moments += to_eigen(s.stored) * to_eigen(s.stored).transpose();
+  const auto [values, vectors] = symmetric_eigen(moments);
+  if (values[0] > flat * values.sum()) return Eigen::Matrix3d::Identity();
+  return vectors.rightCols<2>();
+}
+
+// The linear map M of their span that takes the stored vectors to the reference's t, up to their length: the
+// least of sum |T x M t|² at |M| = 1. \returns what it does, where it explains nearly all
 std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, double limit) {
-  Eigen::Matrix<double, 9, 9> sum = Eigen::Matrix<double, 9, 9>::Zero();
+  const Eigen::MatrixXd span = span_of(samples);
+  const Eigen::Index d = span.cols();
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3 * d, 3 * d);
   for (const Pair& s : samples) {
-    const Eigen::Vector3d t = to_eigen(s.stored), to = to_eigen(s.t);
+    const Eigen::VectorXd t = span.transpose() * to_eigen(s.stored);
+    const Eigen::Vector3d to = to_eigen(s.t);
     Eigen::Matrix3d across;
     across << 0, -to.z(), to.y(), to.z(), 0, -to.x(), -to.y(), to.x(), 0;
-    Eigen::Matrix<double, 3, 9> by;  // of M's columns
-    for (int k = 0; k < 3; ++k) by.middleCols<3>(3 * k) = t[k] * across;
+    Eigen::MatrixXd by(3, 3 * d);  // of M's columns
+    for (Eigen::Index k = 0; k < d; ++k) by.middleCols<3>(3 * k) = t[k] * across;
     sum += by.transpose() * by / static_cast<double>(samples.size());
   }
-  const auto [least, maps] = symmetric_eigen(Eigen::MatrixXd(sum));
-  // Vectors in one plane leave M open.
+  const auto [least, maps] = symmetric_eigen(sum);
+  // Vectors on one line leave M open, and so do references in one plane.
   constexpr double identifiable = 1e-3;
   if (!(least[1] > identifiable)) return std::nullopt;
-  const Eigen::Matrix<double, 9, 1> column = maps.col(0);
-  Eigen::Matrix3d m = Eigen::Map<const Eigen::Matrix3d>(column.data());
+  const Eigen::VectorXd column = maps.col(0);
+  Eigen::Matrix3d m = Eigen::Map<const Eigen::MatrixXd>(column.data(), 3, d) * span.transpose();
   double along = 0;
   for (const Pair& s : samples) along += to_eigen(s.t).dot(m * to_eigen(s.stored));
   if (along < 0) m = -m;
@@ -200,13 +215,14 @@ std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, doubl
   for (const Pair& s : samples)
     within += angle_deg(s.t, from_eigen(Eigen::Vector3d(m * to_eigen(s.stored)))) <= limit;
   if (static_cast<double>(within) < explains_most * static_cast<double>(samples.size())) return std::nullopt;
-  const Eigen::Vector3d singular = singular_value_decomposition(m).values, scale = singular / singular[2];
+  const Eigen::Vector3d singular = singular_value_decomposition(m).values, scale = singular / singular[d - 1];
   if (!(scale[0] < 1e3)) return std::nullopt;
   const bool even = scale[0] < 1.01;
   return ": by a map that " +
-         (even ? std::string("turns")
-               : "scales as " + rounded(scale[0], 3) + " : " + rounded(scale[1], 3) + " : 1") +
-         (m.determinant() < 0 ? " and mirrors" : "");
+         (even
+              ? std::string("turns")
+              : "scales as " + rounded(scale[0], 3) + (d == 3 ? " : " + rounded(scale[1], 3) : "") + " : 1") +
+         (d == 3 && m.determinant() < 0 ? " and mirrors" : "");
 }
 
 // The rotation that takes the stored vectors nearest to the reference's, where it explains nearly all and
@@ -259,32 +275,96 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
   return samples;
 }
 
-// Less those off their facet whose normals lie between it and a triangle beside it that turns little from it:
-// round surfaces have such, as a cone's apex, where each column has a vertex of its own.
-std::vector<Pair> without_rounded(const MeshUnderTest& under_test, std::vector<Pair> samples) {
-  constexpr double most_turn_deg = 50, within_deg = 1;
-  const Mesh& mesh = under_test.mesh;
+// The planes of the triangles, on the side of the normals.
+std::vector<Vec3<double>> planes_of(const MeshUnderTest& under_test) {
   const double side = under_test.normals.all_oppose ? -1 : 1;
-  std::vector<bool> rounded(mesh.positions.size(), false);
+  std::vector<Vec3<double>> result;
+  for (const Triangle& t : under_test.mesh.triangles)
+    result.push_back(side * unit(area_vector(under_test.mesh, t)));
+  return result;
+}
+
+// Calls f(t, other, turn in degrees) for both triangles of each edge.
+template <class F>
+void for_each_turn(const MeshUnderTest& under_test, const std::vector<Vec3<double>>& planes, F f) {
+  const Mesh& mesh = under_test.mesh;
   VertexJoins of_part;
   const std::vector<std::uint32_t>& places = joins_of(under_test, of_part).position;
   for_each_shared_edge(
       mesh.triangles.size(), mesh.positions.size(),
       [&](std::uint32_t t, std::uint32_t k) { return places[mesh.triangles[t][k]]; },
       [&](const SharedEdge& e) {
-        const Triangle &a = mesh.triangles[e.triangle[0]], &b = mesh.triangles[e.triangle[1]];
-        const Vec3<double> of_a = side * unit(area_vector(mesh, a)), of_b = side * unit(area_vector(mesh, b));
-        const double turn = angle_deg(of_a, of_b);
-        if (!(turn <= most_turn_deg)) return;
-        for (const Triangle& triangle : {a, b})
-          for (const std::uint32_t v : triangle)
-            if (angle_deg(of_a, mesh.normals[v]) + angle_deg(mesh.normals[v], of_b) <= turn + within_deg)
-              rounded[v] = true;
+        const double turn = angle_deg(planes[e.triangle[0]], planes[e.triangle[1]]);
+        f(e.triangle[0], e.triangle[1], turn);
+        f(e.triangle[1], e.triangle[0], turn);
       });
+}
+
+constexpr double round_turn = 1.5;      // of exact normals from averages, by the turn between triangles
+constexpr double smooth_turn_deg = 50;  // at most, between triangles of a round surface
+
+// Less those off their facet that a round surface explains: their normals lie between it and a triangle
+// beside it that turns little from it, as at a cone's apex, where each column has a vertex of its own; or, at
+// a border, no farther off than one and a half of that turn.
+std::vector<Pair> without_rounded(const MeshUnderTest& under_test, std::vector<Pair> samples) {
+  constexpr double within_deg = 1;
+  const Mesh& mesh = under_test.mesh;
+  const std::vector<Vec3<double>> planes = planes_of(under_test);
+  std::vector<bool> rounded(mesh.positions.size(), false);
+  for_each_turn(under_test, planes, [&](std::uint32_t t, std::uint32_t other, double turn) {
+    if (!(turn <= smooth_turn_deg)) return;
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      const double off = angle_deg(planes[t], mesh.normals[v]);
+      const bool at_border = under_test.classes.of_vertex[v] == VertexClass::border;
+      if (off + angle_deg(mesh.normals[v], planes[other]) <= turn + within_deg ||
+          (at_border && off <= round_turn * turn))
+        rounded[v] = true;
+    }
+  });
   samples.erase(
       std::remove_if(samples.begin(), samples.end(),
                      [&](const Pair& s) { return rounded[s.corner] && angle_deg(s.stored, s.t) > s.limit; }),
       samples.end());
+  return samples;
+}
+
+// Normals beside the averages of their triangles by angle, which those of a coarse mesh miss by no more than
+// one and a half of the turn from triangle to triangle.
+std::vector<Pair> normals_of_averages(const MeshUnderTest& under_test, double limit) {
+  const Mesh& mesh = under_test.mesh;
+  VertexJoins of_part;
+  const std::vector<std::uint32_t>& joined = joins_of(under_test, of_part).position_and_normal;
+  const std::vector<Vec3<double>> planes = planes_of(under_test);
+  std::vector<Vec3<double>> sums(mesh.positions.size());
+  std::vector<double> turns(mesh.positions.size(), 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!under_test.has_area[t]) continue;
+    const Triangle& triangle = mesh.triangles[t];
+    for (int k = 0; k < 3; ++k) {
+      Vec3<double>& sum = sums[joined[triangle[static_cast<std::size_t>(k)]]];
+      sum = sum +
+            corner_angle(
+                {mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]}, k) *
+                planes[t];
+    }
+  }
+  // A hard edge does not count: its two sides have normals of their own.
+  for_each_turn(under_test, planes, [&](std::uint32_t t, std::uint32_t other, double turn) {
+    const auto& [a, b, c] = mesh.triangles[other];
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (const std::uint32_t at = joined[v];
+          turn <= smooth_turn_deg || at == joined[a] || at == joined[b] || at == joined[c])
+        turns[at] = std::fmax(turns[at], turn);
+  });
+  const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / most_samples);
+  std::vector<Pair> samples;
+  for (std::size_t v = 0; v < mesh.positions.size(); v += step) {
+    const Vec3<double>& n = mesh.normals[v];
+    const Vec3<double> average = unit(sums[joined[v]]);
+    if (average == Vec3<double>{} || !detail::finite(average) || !detail::finite(n) || n == Vec3<double>{})
+      continue;
+    samples.push_back({v, unit(n), average, {}, {}, 1, 1, std::fmax(limit, round_turn * turns[joined[v]])});
+  }
   return samples;
 }
 
@@ -331,16 +411,30 @@ bool add_map(const MeshUnderTest& under_test, const std::vector<Pair>& samples, 
   return map.has_value();
 }
 
-// Where no surface is known: against the planes of facets, else against the neighbours.
+std::size_t drawn_vertices(const MeshUnderTest& under_test) {
+  const std::vector<bool>& drawn = under_test.normals.drawn;
+  return static_cast<std::size_t>(std::count(drawn.begin(), drawn.end(), true));
+}
+
+// Where no surface is known: against the planes of facets, else against the neighbours, else against
+// averages.
 bool diagnose_unknown(const MeshUnderTest& under_test, const ValidateOptions& options, MeshReport& report) {
   if (under_test.mesh.normals.empty()) return false;
   const double limit = options.max_angle_deg;
   std::vector<Pair> facets = normals_of_facets(under_test, limit / 5);
   if (are_off(facets)) facets = without_rounded(under_test, std::move(facets));
-  if (are_off(facets) && add_map(under_test, facets, limit / 5, report)) return true;
-  const std::vector<Pair> samples = normals_of_neighbours(under_test, limit);
-  return are_off(samples) && !are_averages(under_test, samples) &&
-         add_map(under_test, samples, known_to * limit, report);
+  // Where few are facets, as along an edge that a surface folds at, the rest tells better.
+  constexpr std::size_t least_share = 5;
+  if (are_off(facets) && least_share * facets.size() >= std::min(most_samples, drawn_vertices(under_test)) &&
+      add_map(under_test, facets, limit / 5, report))
+    return true;
+  const std::vector<Pair> neighbours = normals_of_neighbours(under_test, limit);
+  if (are_off(neighbours) && !are_averages(under_test, neighbours) &&
+      add_map(under_test, neighbours, known_to * limit, report))
+    return true;
+  const std::vector<Pair> averages = normals_of_averages(under_test, limit);
+  return are_off(averages) && !are_averages(under_test, averages) &&
+         add_map(under_test, averages, limit / 5, report);
 }
 
 }  // namespace

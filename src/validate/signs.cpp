@@ -25,10 +25,12 @@ Signs::Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> chec
       if (wrong(t, v)) asked[v] = true;
   VertexJoins of_part;
   all_round_ = own_directions(mesh, under_test.raw_sign, joins_of(under_test, of_part), asked).all_round;
-  beside_no_uv_area_.assign(mesh.positions.size(), false);
-  for (const Triangle& t : mesh.triangles)
-    if (certain_sign(mesh, t, 0) == 0)
-      for (const std::uint32_t v : t) beside_no_uv_area_[v] = true;
+  open_.assign(mesh.positions.size(), false);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const bool none = certain_sign(mesh, mesh.triangles[t], 0) == 0;
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (none || !faces(t, v)) open_[v] = true;
+  }
   count();
 }
 
@@ -66,7 +68,10 @@ int Signs::raw_sign(std::uint32_t t, std::uint32_t v) const {
 bool Signs::counts(std::uint32_t t, std::uint32_t v) const {
   if (!checks_[v].sign_valid || !checks_[v].has_tangent) return false;
   if (!all_round_.empty() && all_round_[signed_index(v, under_test_.raw_sign[t])]) return false;
-  if (!beside_no_uv_area_.empty() && beside_no_uv_area_[v]) return false;
+  return (open_.empty() || !open_[v]) && faces(t, v);
+}
+
+bool Signs::faces(std::uint32_t t, std::uint32_t v) const {
   if (!checks_[v].has_normal || under_test_.normals.all_oppose) return true;
   const Mesh& mesh = under_test_.mesh;
   const Vec3<double> plane = area_vector(mesh, mesh.triangles[t]);

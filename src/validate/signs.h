@@ -16,9 +16,9 @@ struct SignCount {
 };
 
 // Of the whole mesh and of each island, over the corners of triangles with uv area. Not counted are corners
-// where w has no one meaning: the normal is more than 80 degrees from the triangle (the uvs' winding says one
-// sign, the side of dpdv the other), the dpdu of the vertex's triangles go all round it, or one of these
-// triangles has no uv area, and may have given its sign to all.
+// where w has no one meaning: the normal is more than 80 degrees from a triangle of the vertex (the uvs'
+// winding says one sign, the side of dpdv the other), one of these has no uv area, or their dpdu go all round
+// it.
 class Signs {
  public:
   Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> checks);
@@ -40,6 +40,8 @@ class Signs {
   // nothing is seen of them.
   bool counts(std::uint32_t t) const;
   bool counts(std::uint32_t t, std::uint32_t v) const;
+  // Whether the normal is at most 80 degrees from the triangle.
+  bool faces(std::uint32_t t, std::uint32_t v) const;
   // How the triangle's uvs wind; where the tangents are MikkTSpace's of quads, how its quad's do.
   int raw_sign(std::uint32_t t, std::uint32_t v) const;
   // Where both signs hold half the island, the mesh's convention decides.
@@ -51,8 +53,8 @@ class Signs {
   std::span<const VertexChecks> checks_;
   SignCount all_;
   std::vector<SignCount> islands_;
-  // As OwnDirections has them, and vertices of triangles without a certain uv area; empty: none.
-  std::vector<bool> all_round_, beside_no_uv_area_;
+  std::vector<bool> all_round_;  // as OwnDirections has them; empty: none
+  std::vector<bool> open_;       // vertices of triangles that may have given a false sign to all; empty: none
 };
 
 }  // namespace darboux
