@@ -45,8 +45,8 @@ Accurate::Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks
     const double limit = limit_of(vertex_class, max_angle_deg);
     // Nobody sees the normal of a vertex whose triangles have no area, nor the tangent where they have none
     // in uv.
-    if (basis == Basis::declared || under_test.normals.drawn[v])
-      normals_[v] = claim_of(a.normal, truth[v].normal_deg, limit);
+    const bool seen = basis == Basis::declared || mesh.normals.empty() || under_test.normals.drawn[v];
+    if (seen) normals_[v] = claim_of(a.normal, truth[v].normal_deg, limit);
     if (basis == Basis::declared || under_test.has_uv_area[v])
       tangents_[v] = claim_of(a.projected_tangent, truth[v].tangent_deg, limit);
     all_normals.add(normals_[v], corners_of[v]);

@@ -34,9 +34,7 @@ void find_mirrors(MeshUnderTest& under_test) {
   under_test.has_uv_area.assign(mesh.positions.size(), false);
   std::vector<signed char> winds(mesh.positions.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (!under_test.has_area[t] || under_test.raw_sign[t] == 0 ||
-        certain_sign(mesh, mesh.triangles[t], 0) == 0)
-      continue;
+    if (under_test.raw_sign[t] == 0 || certain_sign(mesh, mesh.triangles[t], 0) == 0) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t v = mesh.triangles[t][k];
       const float of_quad = by_quads ? mikktspace.at(3 * t + k, v).w : 0;

@@ -20,8 +20,8 @@ struct MeshUnderTest {
   std::vector<bool> has_area{};         // triangles with area in space
   VertexJoins joins{};                  // of its vertices; empty in a part
   std::vector<std::uint32_t> equal{};   // of each vertex the first that is equal to the bit; empty in a part
-  // Among triangles that have area and whose uv area exceeds what rounding their uvs to single precision
-  // makes: vertices shared by some whose uvs wind differently, and vertices that any of them uses.
+  // Among triangles whose uv area exceeds what rounding their uvs to single precision makes: vertices shared
+  // by some whose uvs wind differently, and vertices that any of them uses.
   std::vector<bool> across_mirror{};
   std::vector<bool> has_uv_area{};
   MikktspaceReference

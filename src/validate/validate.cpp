@@ -141,8 +141,11 @@ class MeshValidation {
   bool is_unsupported(std::uint32_t v) const {
     return !mesh_.normals.empty() && under_test_.normals.unsupported[v];
   }
-  // No triangle with uv area has it, so that nobody sees its tangent.
-  bool is_unseen(std::uint32_t v) const { return !mesh_.uvs.empty() && !under_test_.has_uv_area[v]; }
+  // No triangle with area has it, or none with uv area, so that nobody sees its tangent.
+  bool is_unseen(std::uint32_t v) const {
+    return is_hidden(v) || (!mesh_.uvs.empty() && !under_test_.has_uv_area[v]);
+  }
+  bool is_hidden(std::uint32_t v) const { return !mesh_.normals.empty() && !under_test_.normals.drawn[v]; }
   // Leaves and grass on cards are lit as the crown or the ground is.
   bool may_be_lit_otherwise(std::uint32_t v) const {
     return !accurate_.known() &&
@@ -230,8 +233,7 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
   if (accurate_.known()) {
     const Claim claim = accurate_.tangent(v);
     if (claim == Claim::within) return Decider::nobody;
-    const bool unseen = !mesh_.normals.empty() && !under_test_.normals.drawn[v];  // its triangles vanish
-    if (unseen && !accurate_.declared()) return Decider::nobody;
+    if (is_hidden(v) && !accurate_.declared()) return Decider::nobody;
     // At a seam every tool sees one side only: with few columns its tangents are far from the surface's.
     const bool authored = may_be_authored(v) && !tangents_diagnosed_ && !under_test_.cones.empty() &&
                           under_test_.cones.claim(v, group.sign) == Claim::within;
