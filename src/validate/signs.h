@@ -1,4 +1,4 @@
-// Which sign convention the stored w follow.
+// Which sign convention the stored w follows.
 #pragma once
 
 #include <cstddef>
@@ -15,9 +15,10 @@ struct SignCount {
   std::size_t raw = 0, gltf = 0;
 };
 
-// Of the whole mesh and of each island, over the corners of triangles with uv area. Not counted are corners
-// where w has no one meaning: the normal is more than 80 degrees from the triangle (the uvs' winding says one
-// sign, the side of dpdv the other), or the dpdu of the vertex's triangles go all round it.
+// Counts the signs of the whole mesh and of each island, over the corners of triangles with uv area. Corners
+// where w has no unique meaning are left out: the normal is more than 80 degrees from the triangle (the
+// winding of the uvs gives one sign, the side of dpdv the other), or the dpdu of the vertex's triangles go
+// all round it.
 class Signs {
  public:
   Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> checks);
@@ -28,18 +29,18 @@ class Signs {
   // Whether the corner of v in triangle t has another sign than its island.
   bool wrong(std::uint32_t t, std::uint32_t v) const;
   Handedness handedness() const;
-  // Corners of the islands that have the sign against the mesh's convention throughout.
+  // The number of corners in islands whose corners all have the sign against the mesh's convention.
   std::size_t in_opposite_islands() const;
-  // How many islands have which sign.
+  // A text: how many islands have which sign.
   std::string islands_text() const;
 
  private:
   void count();
   // Triangles do not count if they have no area in space, or none in uv beyond single-precision rounding:
-  // nothing is seen of them.
+  // they are not visible.
   bool counts(std::uint32_t t) const;
   bool counts(std::uint32_t t, std::uint32_t v) const;
-  // How the triangle's uvs wind; where the tangents are MikkTSpace's of quads, how its quad's do.
+  // The winding of the triangle's uvs; of its quad's uvs where the tangents are MikkTSpace's of quads.
   int raw_sign(std::uint32_t t, std::uint32_t v) const;
   // Where both signs hold half the island, the mesh's convention decides.
   bool raw_in(const SignCount& island) const {
@@ -50,7 +51,7 @@ class Signs {
   std::span<const VertexChecks> checks_;
   SignCount all_;
   std::vector<SignCount> islands_;
-  std::vector<bool> all_round_;  // as OwnDirections has them; empty: none
+  std::vector<bool> all_round_;  // per vertex and sign, as in OwnDirections; empty: none
 };
 
 }  // namespace darboux
