@@ -6,9 +6,9 @@
 // (normals and tangents counted apart), or where a named mistake explains the rest; else it is a warning, and
 // question 2 decides. A coarse mesh cannot follow a recognised surface, so these are warnings, too: a tangent
 // that is an average of its own triangles' dpdu; a normal that is an average of theirs by a usual weighting,
-// or nearer to one than to the surface; a deviation that may be the author's intention (authored.h). Nothing
-// is claimed at poles, where no direction is right for every texture, nor of faceted normals on a recognised
-// surface.
+// or at most half as far from one as from the surface's; a deviation that may be the author's intention
+// (authored.h). Nothing is claimed at poles, where no direction is right for every texture, nor of faceted
+// normals on a recognised surface.
 //
 // From what evidence. The surface's truth at each vertex.
 #pragma once

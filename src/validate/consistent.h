@@ -28,8 +28,8 @@
 //   vertex of its own there, which lies on one side of it
 // - the limit plus about 4/3 of the angle by which the dpdu of a triangle leans from the plane of the normal,
 //   45 degrees at most, if at most 3 % of a mesh's tangents are outside and fewer than half of those that
-// lean are MikkTSpace's. A scale may have been baked into the positions, with tangents scaled alike and
-// normals by the inverse transpose: this moves few averages out of the cone that the scaled triangles span
+//   lean are MikkTSpace's. A scale may have been baked into the positions, with tangents scaled alike and
+//   normals by the inverse transpose: this moves few averages out of the cone that the scaled triangles span
 //
 // One turn of all overrides this. Suppose one turn about the normals, by 30 degrees or more, would bring nine
 // tenths of a mesh's or a part's tangents from outside their cones to within the limit of them. No shape

@@ -23,7 +23,7 @@ namespace darboux {
 struct Smooth {
   std::vector<Angles> angles{};
   std::vector<Claim> normals{}, tangents{};
-  std::vector<bool> may_be_exact{};  // tangents within the limit and three deviations of 15 degrees at most
+  std::vector<bool> may_be_exact{};  // within the limit and three deviations, each 15 degrees at most
   bool known() const { return !angles.empty(); }
 };
 Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,
