@@ -29,13 +29,13 @@ void take(const Mesh& mesh, std::span<const signed char> signs, Recognition& res
   result.fit = std::move(fit);
 }
 
-// A surface that may be the mesh's, though its uvs do not tell its chart.
+// Whether the surface may be the mesh's, even if the uvs do not determine its chart.
 bool is_near(const std::optional<MeshFit>& fit) {
   return fit && fit->rms_relative <= fits_below;
 }
 
-// The declared surface through the mesh's uvs, and by its positions where there are none or they are not its
-// own. \param signs of its triangles \param by_positions whether these may tell it alone
+// Finds the declared surface through the mesh's uvs, or by its positions if there are no uvs or they are not
+// the surface's own. \param signs of its triangles \param by_positions whether positions alone may suffice
 Recognition find_declared(const Mesh& mesh, std::span<const signed char> signs, const AssessOptions& options,
                           bool by_positions = true) {
   Recognition result;
@@ -90,8 +90,8 @@ Assessment assessment_of(const MeshUnderTest& under_test, Recognition recognitio
   if (mesh.uvs.empty()) add(report, finding(Code::uv_missing, std::max<std::size_t>(mesh.corners(), 1)));
   if (fits || !options.references.analytic || (mesh.uvs.empty() && !declared)) return result;
   const std::size_t corners = std::max<std::size_t>(mesh.corners(), 1);
-  // A declared surface that is near enough is no mismatch, even where the fit cannot tell which of its charts
-  // the uvs are.
+  // A declared surface that is near enough is no mismatch, even if the fit cannot determine which of its
+  // charts the uvs are.
   if (declared && recognition.identifiable && !is_near(result.fit)) {
     add(report, finding(Code::surface_mismatch, corners, recognition.reason));
     report.verdict = Verdict::fail;
@@ -113,10 +113,10 @@ Assessment assess_whole(MeshUnderTest under_test, Recognition recognition, const
 
 void check(const Mesh& mesh, const AssessOptions& options) {
   check_consistent(mesh, "mesh");
-  if (options.surface) make_surface(*options.surface);  // refuses unknown names, whatever the mesh
+  if (options.surface) make_surface(*options.surface);  // throws for unknown names, whatever the mesh
 }
 
-// Vertex numbers of a part, in the whole.
+// Replaces the vertex numbers of a part by those of the whole.
 void renumber(MeshReport& report, const MeshPart& part) {
   const auto in_whole = [&](std::vector<ClassReport>& classes) {
     for (ClassReport& c : classes)
@@ -127,12 +127,12 @@ void renumber(MeshReport& report, const MeshPart& part) {
   if (report.mikktspace) in_whole(report.mikktspace->classes);
 }
 
-// The parts of a mesh that are surfaces of their own, and the triangles that are none.
+// Finds the parts of a mesh that are surfaces, and the triangles that are not.
 class PartSearch {
  public:
   using Triangles = Cutter::Triangles;
 
-  // \param charted what recognise() is asked for
+  // \param charted for recognise()
   PartSearch(const MeshUnderTest& whole, const AssessOptions& options, SearchBudget& budget,
              std::optional<std::string_view> charted)
       : options_(options), budget_(budget), charted_(charted), cutter_(whole) {
@@ -144,7 +144,7 @@ class PartSearch {
     std::sort(rest.begin(), rest.end());
   }
 
-  // The rest as one part. \param whole what the whole mesh was taken for
+  // The unrecognised triangles as one part. \param whole the result for the whole mesh
   MeshPart rest_as_part(const Recognition& whole) {
     MeshPart part = cutter_.part(std::move(rest));
     part.recognition.reason = whole.reason;
@@ -155,11 +155,11 @@ class PartSearch {
   std::vector<MeshPart> recognised;  // in the order of their first triangles
   Triangles rest;
   bool declared = false;        // the declared surface is among them
-  std::size_t passed_over = 0;  // parts that were not looked at, as there are too many
+  std::size_t passed_over = 0;  // parts not examined because there are too many
 
  private:
-  // Cuts at the borders of charts and where normals break; pieces that are then not recognised are cut at
-  // their creases. The largest come first, as only so many are looked at.
+  // Cuts at the borders of charts and where normals break; pieces that are not recognised then are cut at
+  // their creases. The largest come first, as the number of examined parts is limited.
   void look_at(const Triangles& triangles, bool at_creases) {
     std::vector<Triangles> pieces = cutter_.pieces(triangles, at_creases);
     std::stable_sort(pieces.begin(), pieces.end(),
@@ -171,7 +171,7 @@ class PartSearch {
         leave(pieces[i]);
         continue;
       }
-      // One piece was looked at before: as the whole mesh, or before it was to be cut at creases.
+      // A single piece was examined before: as the whole mesh, or before the cut at creases.
       if (!one && is_recognised(pieces[i])) continue;
       if (!at_creases && !charted_)
         look_at(pieces[i], true);
@@ -191,13 +191,13 @@ class PartSearch {
     return true;
   }
 
-  // The declared surface, else any.
+  // Looks for the declared surface, else for any.
   Recognition recognise_part(const MeshPart& part) {
     if (!options_.declares_surface())
       return recognise(part.mesh, part.raw_sign, options_.placement, budget_, charted_);
     Recognition result = find_declared(part.mesh, part.raw_sign, options_, !charted_);
     if (result.fits() || charted_) return result;
-    return recognise(part.mesh, part.raw_sign, {}, budget_);  // the placement was the declared surface's
+    return recognise(part.mesh, part.raw_sign, {}, budget_);  // a given placement is the declared surface's
   }
 
   const AssessOptions& options_;
@@ -245,7 +245,7 @@ Recognition recognise_whole(const MeshUnderTest& under_test, const AssessOptions
              : recognise(under_test.mesh, under_test.raw_sign, options.placement, budget);
 }
 
-// Where an assessment passes, parts that nothing could judge do not leave the mesh undetermined.
+// If one assessment passes, parts that nothing could judge do not make the mesh undetermined.
 void close_what_is_left(std::vector<Assessment>& assessments) {
   const bool passes = std::any_of(assessments.begin(), assessments.end(), [](const Assessment& assessment) {
     return assessment.report.without_errors == Verdict::pass;
@@ -259,8 +259,8 @@ void note_budget(MeshReport& report, const SearchBudget& budget) {
   add(report, finding(Code::budget_spent, budget.cut_short() ? std::max<std::size_t>(report.corners, 1) : 0));
 }
 
-// Calls assess_under_test(MeshUnderTest, options) with the uvs that the tangents follow, and says which they
-// are where they are not the mesh's.
+// Calls assess_under_test(MeshUnderTest, options) with the uvs that the tangents follow, and reports them if
+// they are not the mesh's.
 template <class AssessUnderTest>
 std::vector<Assessment> assess_by_uvs_followed(const Mesh& mesh, AssessOptions options,
                                                const AssessUnderTest& assess_under_test) {
@@ -268,7 +268,7 @@ std::vector<Assessment> assess_by_uvs_followed(const Mesh& mesh, AssessOptions o
   MeshUnderTest own = prepare(mesh, options);
   const std::optional<UvChoice> choice = choose_uvs(own, options);
   MeshUnderTest under_test = choice ? prepare_with_uvs_of(choice->mesh, std::move(own)) : std::move(own);
-  if (choice) options.beside = nullptr;  // its uvs are of the mesh's own set
+  if (choice) options.beside = nullptr;  // the uvs of `beside` are of the mesh's own set
   add_references(under_test, options);
   std::vector<Assessment> assessments = assess_under_test(std::move(under_test), options);
   if (!choice) return assessments;
@@ -282,8 +282,8 @@ std::vector<Assessment> assess_by_uvs_followed(const Mesh& mesh, AssessOptions o
   return assessments;
 }
 
-// Whether triangles with normals of their own stand across the surface that their vertices lie on, as the
-// flat base of half a sphere does.
+// Whether there are flat-shaded triangles that cut across the surface on which their vertices lie, like the
+// flat base of a hemisphere.
 bool has_caps(const MeshUnderTest& under_test, std::span<const Truth> truth) {
   const Mesh& mesh = under_test.mesh;
   if (mesh.normals.empty() || truth.empty()) return false;
@@ -305,8 +305,8 @@ std::vector<Assessment> assess_whole_or_parts(MeshUnderTest under_test, const As
   const Mesh& mesh = under_test.mesh;
   SearchBudget budget(options);
   Recognition whole = recognise_whole(under_test, options, budget);
-  // Uvs that are a surface's own tell more than positions do: parts with charts of their own, as the halves
-  // of a mirrored one, go before a whole whose uvs say nothing.
+  // A surface's own uvs are stronger evidence than positions: parts with charts of their own, such as the
+  // halves of a mirrored mesh, take precedence over a whole whose uvs say nothing.
   const bool capped = whole.fits() && !options.declares_surface() && has_caps(under_test, whole.truth);
   const bool uncharted = whole.fits() && !capped && whole.fit->chart == UvChart::unknown && !mesh.uvs.empty();
   if (!options.references.analytic || (whole.fits() && !uncharted && !capped))

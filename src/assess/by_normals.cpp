@@ -17,18 +17,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double near = 0.02;  // rms of what a start leaves of the normals, and of positions over the size
+constexpr double near = 0.02;      // rms residual of a start: of normals, and of positions over the size
 constexpr std::size_t fewest = 6;  // vertices with a normal
 
 struct Oriented {
-  Vector3d p, n;  // over the size, about the centre; unit
+  Vector3d p, n;  // p relative to the centre, over the size; n unit
 };
 
 // The axis of a surface of revolution, and its lengths in units of the mesh's size.
 struct Axis {
   Vector3d point, direction;
   double radius = 0, tube = 0;  // of a torus
-  double along_axis = 0;        // n·direction of a cone, whose apex is the point
+  double along_axis = 0;        // n·direction of a cone; its apex is the point
 };
 
 std::vector<Oriented> oriented_of(const Mesh& mesh, const Shape& shape) {
@@ -43,8 +43,8 @@ std::vector<Oriented> oriented_of(const Mesh& mesh, const Shape& shape) {
   return result;
 }
 
-// The direction along which unit vectors differ least from a constant, and that constant. \param centred
-// whether it may differ from 0
+// The direction along which the components of unit vectors are most nearly constant, and that constant.
+// \param centred whether the constant may differ from 0
 std::pair<Vector3d, double> constant_along(const std::vector<Vector3d>& normals, bool centred) {
   Vector3d mean = Vector3d::Zero();
   const auto count = static_cast<double>(normals.size());
@@ -56,7 +56,7 @@ std::pair<Vector3d, double> constant_along(const std::vector<Vector3d>& normals,
   return {axis, mean.dot(axis)};
 }
 
-// A circle through points of a plane in the mean square: its middle and radius.
+// The least-squares circle through points of a plane: its centre and radius.
 std::optional<Vector3d> circle(const std::vector<std::array<double, 2>>& points) {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Vector3d right = Vector3d::Zero();
@@ -101,7 +101,7 @@ std::optional<Axis> cone(std::vector<Oriented> list) {
     std::vector<Vector3d> normals;
     for (const Oriented& o : list) normals.push_back(o.n);
     std::tie(axis, height) = constant_along(normals, true);
-    // The normal of an apex is that of no side.
+    // The normal at an apex is not that of the cone's side.
     std::erase_if(list, [&](const Oriented& o) { return std::fabs(o.n.dot(axis) - height) > 5 * near; });
     if (list.size() < fewest) return std::nullopt;
   }
@@ -120,7 +120,8 @@ std::optional<Axis> cone(std::vector<Oriented> list) {
   return Axis{.point = *apex, .direction = axis, .along_axis = height};
 }
 
-// All normals meet the axis: (p × n)·a + n·m = 0 with a its direction and m the moment of a point on it.
+// The lines of all normals meet the axis: (p × n)·a + n·m = 0 with a its direction and m the moment of a
+// point on it.
 std::optional<Axis> torus(const std::vector<Oriented>& list) {
   Eigen::Matrix<double, 6, 6> sum = Eigen::Matrix<double, 6, 6>::Zero();
   for (const Oriented& o : list) {
@@ -157,13 +158,13 @@ std::optional<MeshFit> fit_by_normals(const Mesh& mesh, const Shape& shape, Surf
   if (kind == SurfaceKind::cone) axis = cone(list);
   if (kind == SurfaceKind::torus) axis = torus(list);
   if (!axis || !axis->point.allFinite()) return std::nullopt;
-  // Has the surface's own (u, v) of each position, through which it is fitted.
+  // The mesh with the surface's own (u, v) of each position, for the fit.
   Mesh charted;
   charted.triangles = mesh.triangles;
   charted.positions = mesh.positions;
   const auto [x, y] = across(axis->direction);
   double lowest = 0, highest = 0, longest = 0;
-  // Along the straight lines of a cone, so that errors of positions along them do not count as distance.
+  // Along the straight lines of a cone, so errors of positions along them do not count as distance.
   const double across_axis = std::sqrt(1 - axis->along_axis * axis->along_axis);
   const auto from_apex = [&](const Vector3d& q) {
     return std::fabs(axis->along_axis) * std::hypot(q.x(), q.y()) -

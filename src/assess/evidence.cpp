@@ -17,7 +17,7 @@ namespace {
 
 enum class Symmetry { plane, sphere, axis, none };
 
-// What is known of a kind beforehand.
+// Prior knowledge about a kind of surface.
 struct Prior {
   SurfaceKind kind;
   Symmetry symmetry;
@@ -36,11 +36,11 @@ constexpr Prior priors[] = {
 };
 constexpr Prior any_other{SurfaceKind::other, Symmetry::none, 10, -6};
 
-constexpr double same = 1e-3;  // of the size, for rings; ten times that, of their median, for lengths
+constexpr double same = 1e-3;  // of the size, for rings; for lengths, ten times that, of their median
 constexpr std::size_t looked_at = 5000;  // positions and vertices of large meshes, spread evenly
 constexpr double agree_deg = 5, tight_deg = 1;
 constexpr double most_positions = 8, most_uvs = 4, most_normals = 4;
-constexpr double least_explained = 100;  // what the surface leaves, against what a plane leaves
+constexpr double least_explained = 100;  // least ratio of a plane's residual to the surface's
 
 const Prior& prior_of(SurfaceKind kind) {
   for (const Prior& prior : priors)
@@ -48,7 +48,7 @@ const Prior& prior_of(SurfaceKind kind) {
   return any_other;
 }
 
-// How many values differ: intervals of that width that hold them all.
+// How many different values there are: the number of intervals of that width that cover them all.
 std::size_t different(std::vector<double> values, double tolerance) {
   std::sort(values.begin(), values.end());
   std::size_t count = 0;
@@ -58,13 +58,13 @@ std::size_t different(std::vector<double> values, double tolerance) {
   return count;
 }
 
-// Vertices that the symmetry of a lattice puts onto the surface together count once: rings about an axis,
-// lengths between neighbours on a ball.
+// If one vertex of a symmetric lattice lies on the surface, so do its images. They count once: rings about an
+// axis, lengths between neighbours on a ball.
 struct Orbits {
   std::size_t count = 0;
-  std::size_t sides = 0;     // of the finest ring that goes all round, 0 where none does
+  std::size_t sides = 0;     // of the finest ring that goes all round, 0 if none does
   std::size_t columns = 0;   // different angles about the axis
-  std::size_t mirrored = 0;  // the same, those counted once that are mirror images of others
+  std::size_t mirrored = 0;  // the same, with mirror images counted once
 };
 
 Orbits rings(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& placement) {
@@ -103,7 +103,7 @@ Orbits rings(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& plac
       result.sides = std::max(result.sides, sides);
   }
   if (columns.empty()) return result;
-  // From one side of the widest gap to the other.
+  // Angles from one side of the widest gap to the other.
   std::sort(columns.begin(), columns.end());
   std::size_t first = 0;
   double widest = columns.front() + 2 * M_PI - columns.back();
@@ -118,8 +118,8 @@ Orbits rings(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& plac
   return result;
 }
 
-// A strip of a cylinder or a cone is made of straight lines. Any three that are parallel, or go through one
-// point, lie on such a surface, and so do any four that mirror each other in pairs, as a trapezoid has a
+// A strip of a cylinder or a cone consists of straight lines. Any three that are parallel, or go through one
+// point, lie on such a surface. So do any four that are mirror images in pairs, as a trapezoid has a
 // circumcircle.
 double spare_columns(const Orbits& orbits) {
   return std::fmin(static_cast<double>(orbits.columns) - 3, static_cast<double>(orbits.mirrored) - 2);
@@ -140,7 +140,7 @@ std::size_t folded(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d
   return list.size();
 }
 
-// Lengths of edges, on the unit ball that the surface is the image of.
+// The number of different edge lengths on the unit ball whose image the surface is.
 std::size_t lengths(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
   Eigen::Vector3d axes = Eigen::Vector3d::Ones();
   if (const auto* sphere = fit.surface.surface.get<Sphere<double>>()) axes.setConstant(sphere->radius);
@@ -168,7 +168,7 @@ struct Normals {
   std::size_t compared = 0;
 };
 
-// \param on_axis how near to the axis of the placement a position is a tip, which has no normal; negative:
+// \param on_axis positions this near to the axis of the placement are tips, which have no normal; negative:
 // there is no axis
 Normals compare_normals(const Mesh& mesh, const MeshFit& fit, double on_axis) {
   const std::vector<bool> used = used_vertices(mesh);
@@ -222,7 +222,7 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   } else {
     orbits.count = lengths(mesh, shape, fit);
     if (prior.symmetry == Symmetry::sphere) {
-      // Positions that a lathe or a mirror puts onto a ball together count once, about whatever axis.
+      // Positions that a lathe or a mirror puts onto a ball together count once, whatever the axis.
       orbits.count = std::min(orbits.count, folded(mesh, shape, placement));
       for (int axis = 0; axis < 3; ++axis)
         for (const Eigen::Matrix3d& frame : {Eigen::Matrix3d(placement.linear()), shape.axes}) {
@@ -241,7 +241,7 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
                by_places = ((own ? 3 : 1) * places - unknowns) / (own ? 3 : 1);
   const double sharp = std::fmin(1, std::log10(explained) / 3);
   const double positions = std::fmin(std::fmin(by_orbits, by_places) * sharp, most_positions);
-  // Uvs: the same orbits once more, where they are the surface's own.
+  // Uvs: the same orbits once more, if the uvs are the surface's own.
   const double uvs =
       !own ? 0 : std::fmax(0, std::fmin(static_cast<double>(orbits.count) - (affine ? 3 : 1), most_uvs));
   // Normals that are the surface's and not their triangles'.
@@ -259,10 +259,10 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   } else if (faceted) {
     normals = -4;
   }
-  // Without normals and uvs of its own a surface says nothing that is assessed, and positions alone must say
-  // more.
+  // Without normals and own uvs nothing would be compared with the surface, and positions alone must give
+  // more evidence.
   const double mute = !own && mesh.normals.empty() ? -2 : 0;
-  // A ring of eight sides or more with smooth normals is meant round.
+  // A ring of eight sides or more with smooth normals is intended to be round.
   const double round = orbits.sides >= 8 && (normals > 0 || (own && mesh.normals.empty())) ? 2 : 0;
   const double fine = shape.turn_deg <= 15 ? 2 : shape.turn_deg <= 31 ? 1 : 0;
   result.log10_odds += positions + uvs + normals + mute + round + fine;

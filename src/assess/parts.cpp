@@ -39,8 +39,8 @@ std::vector<Cutter::Triangles> Cutter::pieces(const Triangles& triangles, bool a
     for (const std::uint32_t v : mesh.triangles[t]) number(equal_[v]);
   const auto sign = [&](std::uint32_t i) { return whole_.raw_sign[triangles[i]]; };
   DisjointSets sets(triangles.size());
-  // First those with area in uv; then each of the others with one of its neighbours, so that it joins no two
-  // of them.
+  // First triangles with uv area; then each of the others joins one neighbour, so it cannot connect two
+  // pieces.
   std::vector<bool> placed(triangles.size(), false);
   const auto join = [&](std::uint32_t a, std::uint32_t b) {
     sets.join(a, b);
@@ -114,7 +114,7 @@ std::vector<bool> between_parts(const MeshUnderTest& whole, std::span<const Mesh
   const VertexJoins& joins = whole.joins;
   const std::size_t n = joins.position_and_normal.size();
   struct First {
-    std::uint32_t part, vertex;  // counted from 1; its vertex in the part
+    std::uint32_t part, vertex;  // part: from 1; vertex: in the part
   };
   std::vector<First> first(n, First{0, 0});
   std::vector<bool> group(n, false);

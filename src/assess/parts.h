@@ -1,4 +1,4 @@
-// The parts of a mesh: what a crease or a border of the chart cuts off.
+// The parts of a mesh, cut at creases and at the borders of charts.
 #pragma once
 
 #include <span>
@@ -20,12 +20,12 @@ class Cutter {
   Cutter& operator=(const Cutter&) = delete;
 
   // Triangles joined over edges whose vertices agree in position, normal and uv to the bit. Triangles whose
-  // uvs wind differently are kept apart; those without uv area go with what they touch. \param at_creases
-  // also cut at edges that are sharp by creases.h, though the vertices agree. Pieces are in the order of
-  // their first triangles. \param triangles of the whole, ascending
+  // uvs wind differently are kept apart; those without uv area join a neighbour. Pieces are in the order of
+  // their first triangles. \param at_creases also cut at edges that creases.h calls sharp, even if the
+  // vertices agree \param triangles of the whole, ascending
   std::vector<Triangles> pieces(const Triangles& triangles, bool at_creases);
 
-  // The mesh of some triangles.
+  // Makes a mesh of some triangles.
   MeshPart part(Triangles triangles);
 
  private:
@@ -35,9 +35,9 @@ class Cutter {
   void forget();
 
   const MeshUnderTest& whole_;
-  std::vector<std::uint32_t> joined_;     // where the whole has none
+  std::vector<std::uint32_t> joined_;     // if the whole has none
   std::span<const std::uint32_t> equal_;  // join_equal_vertices()
-  std::vector<std::uint32_t> number_;     // of each vertex that was seen, else none
+  std::vector<std::uint32_t> number_;     // per vertex that was seen, else none
   std::vector<std::uint32_t> seen_;
 };
 
@@ -46,9 +46,9 @@ using UvSets = std::vector<std::pair<int, std::vector<Vec2<double>>>>;
 // The uv sets of the whole, at the part's vertices.
 UvSets restrict_to(std::span<const UvSets::value_type> whole, const MeshPart& part);
 
-// Vertices that belong to two parts whose frames differ: no one normal, or no one tangent, is right for both.
-// A vertex is that of another part where positions and normals are the same; uvs may differ, and so may the
-// indices, as in files with one vertex per corner. \param parts those that are recognised and the rest
+// Vertices that belong to two parts whose frames differ: no single normal, or no single tangent, is right for
+// both. Vertices of two parts are the same if their positions and normals are; uvs may differ, and so may the
+// indices, as in files with one vertex per corner. \param parts the recognised ones and the rest
 std::vector<bool> between_parts(const MeshUnderTest& whole, std::span<const MeshPart> parts,
                                 double max_angle_deg);
 

@@ -21,12 +21,11 @@
 namespace darboux {
 namespace {
 
-constexpr double flat = fits_below;             // thickness of what is a plane or nothing
-constexpr std::size_t fewest_in_a_plane = 4;    // triangles
-constexpr std::size_t fewest_under_a_map = 40;  // positions, of a surface that only its uvs tell
-constexpr std::size_t fewest_by_positions =
-    32;                                // positions, where normals are stored that are not the surface's
-constexpr double plane_normals = 0.8;  // share of normals that must be the plane's
+constexpr double flat = fits_below;              // thickness: below, it is a plane or nothing
+constexpr std::size_t fewest_in_a_plane = 4;     // triangles
+constexpr std::size_t fewest_under_a_map = 40;   // positions, of a surface found only by its uvs
+constexpr std::size_t fewest_by_positions = 32;  // positions, if the stored normals are not the surface's
+constexpr double plane_normals = 0.8;            // share of normals that must be the plane's
 
 }  // namespace
 
@@ -50,7 +49,7 @@ bool may_be(SurfaceKind kind, Quadric quadric) {
          (quadric == Quadric::indefinite && !closed);
 }
 
-// A disk without a hole is fitted with one as small as rounding: its middle is a pole all the same.
+// A disk without a hole is fitted with a hole of the size of rounding: its centre is a pole all the same.
 void mark_middle(const MeshFit& fit, const Mesh& mesh, std::vector<Truth>& truth) {
   const auto* disk = fit.surface.surface.get<Disk<double>>();
   if (!disk || !(disk->inner_radius <= fits_below * disk->outer_radius)) return;
@@ -60,8 +59,8 @@ void mark_middle(const MeshFit& fit, const Mesh& mesh, std::vector<Truth>& truth
       truth[v].pole = true;
 }
 
-// Whether u runs over the triangles as it does on the surface. Uvs that are repeated more often than the mesh
-// has columns for fit, at the vertices alone, a surface on which they run the other way.
+// Whether u runs over the triangles as it does on the surface. Uvs that repeat too often for the mesh's
+// columns may fit, at the vertices only, a surface on which they run the other way.
 bool runs_along_triangles(const Mesh& mesh, const MeshFit& fit) {
   if (fit.chart != UvChart::own) return true;
   constexpr std::size_t looked_at = 500;
@@ -111,7 +110,7 @@ SearchBudget::Outline outline(const Mesh& mesh, const Shape& shape) {
           digits(along / static_cast<double>(std::max<std::size_t>(mesh.corners(), 1)), 1e-4)};
 }
 
-// One mesh that is looked at.
+// The search on one mesh.
 class Search {
  public:
   Search(const Mesh& mesh, std::span<const signed char> signs,
@@ -187,7 +186,7 @@ class Search {
     result_.evidence = std::move(evidence);
   }
 
-  // Takes a fit that the evidence is enough for.
+  // Accepts a fit if the evidence is sufficient.
   bool weigh(MeshFit fit) {
     Evidence evidence = evidence_for(mesh_, shape_, fit);
     if (evidence.log10_odds >= evidence_needed) {
@@ -202,7 +201,7 @@ class Search {
   }
 
   void look_for_plane() {
-    // Of corners, so that it is the same however many vertices they share.
+    // Counts corners, so the result does not depend on how vertices are shared.
     std::size_t agree = 0, compared = 0;
     std::vector<signed char> agrees(mesh_.normals.size(), -1);  // -1: there is none
     for (std::size_t v = 0; v < agrees.size(); ++v) {
@@ -232,7 +231,7 @@ class Search {
     result_.evidence = Evidence{-10, "polygon", ""};
   }
 
-  // By positions and normals, and then through uvs. \param brief leaves out what is slow
+  // Tries a kind by positions and normals, then through uvs. \param brief skips slow fits
   bool weigh_by_places(std::string_view kind, bool brief) {
     std::optional<MeshFit> fit;
     if (!placement_) fit = fit_by_normals(mesh_, shape_, kind_of(kind));
@@ -244,7 +243,7 @@ class Search {
     return weigh(std::move(*fit));
   }
 
-  // From the quick to the slow.
+  // Tries quick fits first.
   void look_for_surface() {
     if (charted_) {
       if (auto fit = by_uvs(std::array{*charted_}, UvMaps::any)) weigh(std::move(*fit));

@@ -1,4 +1,5 @@
-// Which surface a mesh, or a part of one, was made from: cheap questions first, fits last, then the evidence.
+// Finds the surface that a mesh, or a part of one, was made from: cheap tests first, then fits, then the
+// evidence.
 #pragma once
 
 #include <array>
@@ -16,32 +17,32 @@
 
 namespace darboux {
 
-// For a fit that does not fit: what it came to, and why that is not enough. An affine map has so much freedom
-// that it must fit better. \param limit the rms_relative up to which it would fit
+// A text for a fit that is not good enough: what it reached, and why that is not enough. An affine map has so
+// much freedom that it must fit better. \param limit the largest rms_relative that is accepted
 std::string nearest_fit(const MeshFit& fit, double limit);
 
 // What may still be tried on a mesh, given what was tried on the other meshes of its file: a time limit, and
 // counts of parts that matched no surface.
 class SearchBudget {
  public:
-  // What repeated parts have in common, wherever they lie: five numbers for their shape, one each for uvs and
+  // What repeated parts have in common in any placement: five numbers for their shape, one each for uvs and
   // normals.
   using Outline = std::array<std::size_t, 7>;
 
   explicit SearchBudget(const AssessOptions& options);
   SearchBudget(const SearchBudget&) = delete;
   SearchBudget& operator=(const SearchBudget&) = delete;
-  bool spent() const;                            // time is up; ask only where something would be left out
+  bool spent() const;  // whether time is up; call only if something would then be left out
   bool cut_short() const { return cut_short_; }  // whether something was left out
-  // Whether a similar part failed before: in this mesh, one of the same shape; in other meshes, one of the
+  // Whether a similar part failed before: in this mesh, one of the same shape; in other meshes, one with the
   // same shape, uvs and normals.
   bool has_failed(const Outline& outline) const;
   void failed(const Outline& outline);
   // Whether only cheap fits may be tried on a part; if so, counts the part.
   bool count_if_brief();
   std::size_t searched_briefly() const { return searched_briefly_; }
-  // Whether affine maps of uvs may be searched: once per mesh, and never in a mesh that falls apart into
-  // islands of an atlas, where only kinds that are found by positions are charted.
+  // Whether to search affine maps of uvs: once per mesh, and never in a mesh whose uvs are islands of an
+  // atlas. There, charts are fitted only for kinds that were found by positions.
   bool may_search_affine(const Shape& shape);
 
  private:
@@ -49,16 +50,15 @@ class SearchBudget {
   mutable bool cut_short_ = false;
   SearchHistory own_;
   SearchHistory& history_;
-  std::size_t failed_before_;  // of these in other meshes
+  std::size_t failed_before_;  // of them in other meshes
   std::size_t searched_briefly_ = 0;
   bool affine_searched_ = false;
-  std::optional<bool> one_chart_;  // of what was looked at first
+  std::optional<bool> one_chart_;  // of the first shape examined
 };
 
-// Any surface of the catalogue, with evidence. \param placement held when given
+// Recognises any surface of the catalogue, with evidence. \param placement fixed if given
 // \param signs of its triangles, in the sense of triangle_signs()
-// \param charted nothing but this kind, through uvs that are its own; nothing: any, by uvs, normals and
-// positions
+// \param charted try only this kind, through its own uvs; none: any kind, by uvs, normals and positions
 Recognition recognise(const Mesh& mesh, std::span<const signed char> signs,
                       const std::optional<Eigen::Isometry3d>& placement, SearchBudget& budget,
                       std::optional<std::string_view> charted = {});

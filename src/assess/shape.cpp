@@ -19,17 +19,17 @@ namespace darboux {
 namespace {
 
 constexpr double same = 1e-6;                           // of the size
-constexpr double flat_deg = 1;                          // faces that turn by less do not turn
-constexpr double facet_deg = 1;                         // a normal that is its triangle's
+constexpr double flat_deg = 1;                          // faces that turn by less count as coplanar
+constexpr double facet_deg = 1;                         // a normal this near to its triangle's is that one
 constexpr std::size_t whole = 10000, looked_at = 5000;  // vertices: of larger meshes the triangles about some
 constexpr std::size_t algebraic_places = 400;
 constexpr double near_algebraic = 3 * fits_below;  // of the size
-constexpr double apart = 10;                       // how many times as far the second nearest quadric must be
-constexpr double clear = 1e-3;                     // of the largest eigenvalue of a quadric's form
-constexpr std::size_t fewest = 8;                  // positions
-constexpr double most_polyhedral = 0.2;            // of the edges that turn
-constexpr std::size_t many_places = 1000;  // beyond which folds, as of Schwarz's lantern, tell nothing
-// Many small facets of equal turns are a surface all the same.
+constexpr double apart = 10;               // the second nearest quadric must be this many times as far
+constexpr double clear = 1e-3;             // of the largest eigenvalue of a quadric's form
+constexpr std::size_t fewest = 8;          // positions
+constexpr double most_polyhedral = 0.2;    // of the edges that turn
+constexpr std::size_t many_places = 1000;  // beyond, folds (as of Schwarz's lantern) tell nothing
+// Many small facets that turn by equal angles still make a surface.
 constexpr std::size_t fine_places = 48;
 constexpr double fine_turn_deg = 35;
 
@@ -37,7 +37,7 @@ constexpr std::size_t fewest_jumps = 8;
 constexpr double same_jump = 2e-3;  // in units of uv
 constexpr double most_alike = 0.5;
 
-// Whether half of the values lie in two short stretches.
+// Whether half of the values lie in two short intervals.
 bool two_values(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   std::size_t most = 0, second = 0;
@@ -66,14 +66,14 @@ std::vector<std::uint32_t> looked_at_triangles(const Mesh& mesh, const std::vect
 
 namespace {
 
-// What is looked at of a mesh: some triangles, and their vertices, welded by position.
+// The examined sample of a mesh: some triangles, and their vertices, welded by position.
 struct Sampled {
   const Mesh& mesh;
   std::vector<bool> used;                // vertices of triangles whose position is finite
   std::vector<std::uint32_t> triangles;  // of the mesh
   std::vector<std::uint32_t> vertices;   // of these triangles
-  std::vector<std::uint32_t> index;      // of a vertex of the mesh among them
-  std::vector<std::uint32_t> place;      // of a vertex of these the first at its position
+  std::vector<std::uint32_t> index;      // per vertex of the mesh, its place in `vertices`
+  std::vector<std::uint32_t> place;      // per sampled vertex, the first at its position
 
   std::uint32_t place_of(std::uint32_t v) const { return place[index[v]]; }
 };
@@ -126,7 +126,7 @@ void measure_spread(const Mesh& mesh, Shape& shape) {
   shape.axes = symmetric_eigen(spread).vectors;
   if (shape.axes.determinant() < 0) shape.axes.col(2) *= -1;
   shape.plane_normal = shape.axes.col(0);
-  double squares = 0;  // by distances: the eigenvalue keeps half the digits only
+  double squares = 0;  // from distances: the eigenvalue has only half the digits
   for (const std::uint32_t v : shape.places) {
     const double d = (local(v) - mean).dot(shape.plane_normal);
     squares += d * d / n;
@@ -221,15 +221,16 @@ Shape shape_of(const Mesh& mesh) {
 
 namespace {
 
-// Of all polynomials in some monomials those nearest to the positions: the roots of the least values of sum
-// F² over sum |grad F|², distances in units of the mesh's size, and the coefficients of each [Taubin1991].
+// The polynomials F in given monomials that come nearest to the positions [Taubin1991]: the coefficients of
+// each, and the roots of the least values of sum F² over sum |grad F|², which are distances in units of the
+// mesh's size.
 template <int N>
 struct Algebraic {
   std::size_t places = 0;
   Eigen::Matrix<double, N, 1> distances;
   Eigen::Matrix<double, N, N> coefficients;
 
-  // \param monomials fills the values of N monomials and their derivatives at (x, y, z)
+  // \param monomials writes the values of N monomials and their derivatives at (x, y, z)
   template <class Monomials>
   Algebraic(const Mesh& mesh, const Shape& shape, Monomials monomials) {
     using Row = Eigen::Matrix<double, N, 1>;
@@ -242,7 +243,7 @@ struct Algebraic {
       slopes += fx * fx.transpose() + fy * fy.transpose() + fz * fz.transpose();
       ++places;
     }
-    // The constant has no slope.
+    // Regularises: the constant has no slope.
     slopes += 1e-9 * static_cast<double>(places) * Eigen::Matrix<double, N, N>::Identity();
     const auto [squares, vectors] = generalised_symmetric_eigen(values, slopes);
     distances = squares.cwiseMax(0).cwiseSqrt() / 2;

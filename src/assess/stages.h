@@ -9,8 +9,8 @@
 //   assess_file()      AssessedPrimitive  its assessments, under the policy of the options validate_files.h
 //   print_text(), ...  AssessedFile       all of a file, as it is written               validate_files.h
 //
-// Only parts that are looked at become meshes: the whole is not copied to be cut. A part's MeshUnderTest is
-// the whole's, restricted by restrict_to(), so that nothing is computed twice.
+// Only examined parts become meshes: the whole is not copied to be cut. A part's MeshUnderTest is the
+// whole's, restricted by restrict_to(), so nothing is computed twice.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +26,9 @@ namespace darboux {
 struct Recognition {
   std::optional<MeshFit> fit{};
   std::vector<Truth> truth{};
-  std::string reason{};      // of what does not fit, for SURFACE_UNKNOWN
-  bool identifiable = true;  // whether there is enough to identify a surface
-  bool declared = false;     // it is the declared surface
+  std::string reason{};      // why nothing fits, for SURFACE_UNKNOWN
+  bool identifiable = true;  // whether the data suffice to identify a surface
+  bool declared = false;     // this is the declared surface
   std::optional<Evidence> evidence{};
   bool fits() const { return fit && fit->fits; }
 };

@@ -1,4 +1,4 @@
-// The kinds of surface that recognition treats in their own way. Names come in from the fits, once.
+// The kinds of surface that recognition treats specially, made from the names that the fits give.
 #pragma once
 
 #include <algorithm>
@@ -40,12 +40,12 @@ inline SurfaceKind kind_of(const MeshFit& fit) {
   return kind_of(fit.surface.surface.info().name);
 }
 
-// Whose n may be on either side.
+// Kinds whose n may be on either side.
 inline bool is_planar(SurfaceKind kind) {
   return kind == SurfaceKind::plane || kind == SurfaceKind::disk;
 }
 
-// Whether its uvs are the surface's own after an affine map that is none of uv_conventions() in any tile.
+// Whether its uvs are the surface's own after an affine map other than uv_conventions() plus whole tiles.
 inline bool has_affine_uvs(const MeshFit& fit) {
   const auto known = uv_conventions();
   return fit.chart == UvChart::own && std::none_of(known.begin(), known.end(), [&](const UvConvention& c) {

@@ -11,19 +11,19 @@
 namespace darboux {
 namespace {
 
-// Other uvs are taken where the tangents follow them so much more closely, in the mean.
+// Other uvs are chosen if the mean angle of the tangents to them is smaller by the factor `closer`.
 constexpr double follows = 0.8, closer = 0.97;
 
-// How tangents follow the uvs: the share of corners within the cone, of those about which it claims
-// something, the mean angle to the dpdu of each corner's triangle, both made perpendicular to the normal, and
-// at how many more corners w has glTF's sign than the raw one.
+// How tangents follow the uvs: the share of judged corners within the cone; the mean angle to the dpdu of
+// each corner's triangle, both made perpendicular to the normal; and the corners where w has glTF's sign,
+// minus those with the raw sign.
 struct Following {
   double share_within = 0, mean_rad = 0;
   std::ptrdiff_t gltf_signs = 0;
   bool is_enough() const { return share_within >= follows; }
 };
 
-// \param own what is known of the mesh but for its uvs
+// \param own what is known of the mesh, apart from its uvs
 Following following(const Mesh& mesh, std::span<const signed char> raw_sign, const MeshUnderTest& own,
                     double max_angle_deg) {
   const Cones cones(mesh, raw_sign, own.has_area, own.joins, {},
@@ -62,7 +62,7 @@ std::optional<UvChoice> choose_uvs(const MeshUnderTest& own, const AssessOptions
   double best_rad = by_own.is_enough() ? closer * by_own.mean_rad : std::numeric_limits<double>::infinity();
   UvChoice tried{mesh, std::nullopt, false};
   std::optional<UvChoice> choice;
-  // Where the tangents follow both alike, as where a transform mirrors v, w tells by its convention.
+  // If the tangents follow both equally, as when a transform mirrors v, the convention of w decides.
   const auto tells_by_sign = [&](const Following& by_these) {
     constexpr double rounding_rad = 1e-6;
     return by_own.is_enough() && by_own.gltf_signs < 0 && by_these.gltf_signs > 0 &&

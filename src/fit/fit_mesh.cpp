@@ -17,35 +17,35 @@
 namespace darboux {
 namespace {
 
-// Vertices that a fit looks at before all of them: for a linear start, and to see whether a surface fits at
+// The number of vertices used before all of them: for a linear start, and to see whether a surface fits at
 // all.
 constexpr std::size_t start_points = 80, trial_points = 2048;
 
-// A start this far off is another convention's mesh; refining it would only confirm that.
+// A start this far off belongs to another convention; refining it would only confirm that.
 constexpr double hopeless = 0.2;
-// Nor is one refined whose rms distance is beyond this: rounding would hide all else.
+// A start with a larger rms distance is not refined either: rounding would hide everything else.
 constexpr double too_far = 1e6;
 
-// A fit to the few points that leaves this many times the limit after so many steps is not refined on more
-// points: those that will fit get there in fewer than eight steps.
+// If a fit to the few points is still this many times above the limit after so many steps, it is not refined
+// on more points: fits that succeed get there in fewer than eight steps.
 constexpr double hopeless_share = 30;
 constexpr int first_steps = 12;
 
 // An affine map is so flexible that it must fit better: within this share of fits_below.
 constexpr double affine_share = 1e-2;
 
-// Vertices are no outliers.
+// No vertex counts as an outlier.
 constexpr fit::Mixture least_squares;
 
 // Usable vertices, centred and scaled to a bounding box of diagonal 1.
 struct Data {
   fit::NormalisedPoints all, trial, few;
   std::vector<double> shears;  // that edges suggest
-  // The rms distance that roundings of the stored positions, and of these and the uvs, leave, with room.
+  // The rms distance due to rounding of the stored positions, and of positions and uvs, with a margin.
   double rounding = 0, rounding_with_uvs = 0;
 };
 
-// The slopes Δu/Δv that most edges have: of a sheared grid those of its columns and diagonals.
+// The slopes Δu/Δv that most edges have: in a sheared grid, those of its columns and diagonals.
 std::vector<double> slopes_of_edges(const Mesh& mesh, std::span<const signed char> signs) {
   constexpr std::size_t looked_at = 2000, most = 3;
   std::vector<double> slopes;
@@ -72,8 +72,9 @@ std::vector<double> slopes_of_edges(const Mesh& mesh, std::span<const signed cha
   return result;
 }
 
-// The rms distance by which roundings of the stored uvs move most points, by the mesh's own edges: along u
-// and v it may differ much, and of a grid's edges a third is of each, and a third diagonals.
+// The rms distance by which rounding of the stored uvs moves most points, estimated from the mesh's own
+// edges. It may differ much along u and v; a third of a grid's edges run along u, a third along v, and a
+// third are diagonals.
 double moved_by_uvs(const Mesh& mesh, std::span<const signed char> signs) {
   constexpr std::size_t looked_at = 2000;
   std::vector<double> moved;
@@ -95,7 +96,7 @@ double moved_by_uvs(const Mesh& mesh, std::span<const signed char> signs) {
 
 Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
   if (mesh.uvs.empty()) throw UndeterminedError("mesh", "has no uvs, a fit needs one uv set");
-  // Triangles without area do not count: their uvs or positions collapsed, and say nothing of their vertices.
+  // Triangles without area do not count: their uvs or positions have collapsed.
   std::vector<bool> referenced(mesh.positions.size(), false);
   const bool any = std::any_of(signs.begin(), signs.end(), [](signed char s) { return s != 0; });
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -121,7 +122,7 @@ Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
   const double of_positions =
       std::fmax(mesh.half_steps.position, 0x1p-24 / std::sqrt(3) * largest.stableNorm());
   data.rounding = room * of_positions / data.all.scale;
-  // Coarser uvs say nothing of a surface.
+  // Coarser uvs tell nothing about a surface.
   const double of_uvs = std::fmin(moved_by_uvs(mesh, signs) / data.all.scale, 10 * fits_below);
   data.rounding_with_uvs = std::hypot(data.rounding, room * of_uvs);
   data.all.cloud.resize(3, static_cast<Eigen::Index>(usable.size()));
@@ -156,16 +157,16 @@ double rms(const UvModel& model, const UvState& state) {
   return rms(model.squares(state));
 }
 
-// What the caller asks for, and holds.
+// What the caller wants, and the values that are held.
 struct Wanted {
   const UvKind& kind;
   std::vector<std::pair<std::string, double>> parameters{};  // held values
   std::optional<AnySurface> exact{};                         // held but for its placement
   std::optional<Eigen::Isometry3d> placement{};
   enum class Roundings { ignored, of_positions, of_all } roundings = Roundings::ignored;
-  const Mesh* mesh = nullptr;  // whose side decides where the surface is exact; nullptr: none does
+  const Mesh* mesh = nullptr;  // its side decides if the surface is exact; nullptr: no side is required
 
-  // The rms distance up to which it fits. Roundings make nothing a surface that is not declared.
+  // The rms distance up to which it fits. Rounding widens the limit only for declared surfaces.
   double limit(const Data& data, bool affine) const {
     const double rounding = roundings == Roundings::of_all         ? data.rounding_with_uvs
                             : roundings == Roundings::of_positions ? data.rounding
@@ -207,12 +208,12 @@ std::optional<AnySurface> surface_of(const Data& data, const UvModel& model, con
   try {
     return make_surface(result);
   } catch (const ParameterError&) {
-    return std::nullopt;  // the values do not go together
+    return std::nullopt;  // the values contradict each other
   }
 }
 
-// Whether the points identify all that is estimated, with coordinates to spare: points on a line lie on a
-// thin strip however it is placed.
+// Whether the points identify everything that is estimated, with coordinates to spare: points on a line lie
+// on a thin strip in any placement.
 bool determined(const UvModel& model, const UvState& state) {
   return 3 * model.points->count() > model.unknowns() &&
          model.spread(state, model.sums(state, least_squares)).undetermined.empty();
@@ -226,9 +227,9 @@ Eigen::Isometry3d placement_of(const Data& data, const UvState& state, const Wan
   return result;
 }
 
-// Whether the surface's n is on the side of the mesh's normals, or else its triangles': a half-turn takes
-// some surfaces to themselves with their sides exchanged, and one flip of the uvs to another. True where
-// nobody asks.
+// Whether the surface's n is on the side of the mesh's normals or, without normals, of its triangles: a
+// half-turn maps some surfaces to themselves with their sides exchanged, and one flip of the uvs to another.
+// True if no side is required.
 bool is_on_side(const Data& data, const Trial& trial, const Wanted& wanted) {
   if (!wanted.mesh) return true;
   constexpr std::size_t enough = 256;
@@ -247,13 +248,13 @@ bool is_on_side(const Data& data, const Trial& trial, const Wanted& wanted) {
   return sides >= 0;
 }
 
-// The fit from one start; nothing where it ends at parameters that are not permitted.
+// The fit from one start; none if it ends at parameters that are not permitted.
 std::optional<Trial> fit_from(const Data& data, UvStart start, const Wanted& wanted) {
   start.model.points = &data.trial;
   Solved solved;
   const double most = hopeless_share * fits_below;
   if (start.median < hopeless && start.least_rms <= most && rms(start.model, start.state) < too_far) {
-    // Far from a few of the points it is far from all.
+    // If it is far from a few of the points, it is far from all.
     start.model.points = &data.few;
     solved = start.model.solve(start.state, least_squares, 1e-3, first_steps);
     const bool far = rms(start.model, start.state) > most;
@@ -266,12 +267,11 @@ std::optional<Trial> fit_from(const Data& data, UvStart start, const Wanted& wan
   if (!surface_of(data, start.model, start.state, wanted)) return std::nullopt;
   const double error = rms(start.model, start.state);
   if (!std::isfinite(error)) return std::nullopt;
-  // Within roundings there is nothing to converge to: a length may press against its bound.
+  // Within rounding there is nothing to converge to: a length may press against its bound.
   bool fits = (solved.converged || error <= data.rounding_with_uvs) &&
               error <= wanted.limit(data, !start.model.free_affine.empty());
   if (fits && !determined(start.model, start.state)) {
-    // Where it came out as a surface of revolution, the offset of u is a rotation about its axis, and is
-    // held.
+    // If the result is a surface of revolution, the offset of u is a rotation about its axis, and is held.
     fits = std::erase(start.model.free_affine, 4) == 1 && determined(start.model, start.state);
   }
   return Trial{start.model, start.state, error, fits, solved.iterations};
@@ -303,8 +303,8 @@ std::optional<Trial> try_conventions(const Data& data, const Wanted& wanted) {
   return best;
 }
 
-// Of maps that go through the same points, the intended one stays in the surface's domain, not behind its
-// pole or apex, and is the least steep: with few columns one that is several times as steep meets them too.
+// Several maps may go through the same points. The intended one stays in the surface's domain, not beyond its
+// pole or apex, and is the least steep: with few columns, a map several times as steep meets the points too.
 double strangeness(const UvModel& model, const UvState& state) {
   const auto& m = state.affine;
   const double outside = outside_of_domain(*model.kind, model.whole_convention(state), model.points->uvs);
@@ -313,8 +313,7 @@ double strangeness(const UvModel& model, const UvState& state) {
 }
 
 std::optional<Trial> try_affine(const Data& data, const Wanted& wanted) {
-  // Two points must follow beyond those that any such surface goes through: nearly every quad lies on a
-  // Möbius strip.
+  // Two points more are needed than any such surface goes through: nearly every quad lies on a Möbius strip.
   if (3 * data.all.count() < 6 + wanted.kind.parameters.size() + 6 + 6) return std::nullopt;
   std::optional<Trial> best;
   for (UvStart& start : affine_starts(wanted.kind, data.few, wanted.held(data.all.scale, data.all.centre),
@@ -323,7 +322,7 @@ std::optional<Trial> try_affine(const Data& data, const Wanted& wanted) {
       keep_better(best, fit_from(data, std::move(start), wanted));
       continue;
     }
-    // No stranger where the best one is on the wrong side, else less strange.
+    // At most as strange if the best one is on the wrong side, else less strange.
     const double best_strangeness = strangeness(best->model, best->state);
     if (!(strangeness(start.model, start.state) < 1.1 * best_strangeness)) continue;
     const bool other_side = !is_on_side(data, *best, wanted);
@@ -338,7 +337,7 @@ std::optional<Trial> try_affine(const Data& data, const Wanted& wanted) {
 }
 
 // The covariance of a rigid_kind(), whose one length is held, with the surface's own parameters in place of
-// that length: they are held too, and have no variance.
+// that length. They are held too, so they have no variance.
 Eigen::MatrixXd with_exact_parameters(const Eigen::MatrixXd& covariance, const AnySurface& surface) {
   const Eigen::Index own = SurfaceWithParameters(surface).parameters(), of_map = covariance.rows() - 7;
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(6 + own + of_map, 6 + own + of_map);
@@ -430,8 +429,8 @@ DeclaredFit fit_declared(const Mesh& mesh, const SurfaceSpecification& given,
   const Wanted wanted{*kind, given.parameters, {}, placement, Wanted::Roundings::of_all};
   std::optional<Trial> best = try_conventions(data, wanted);
   if (!best || !best->fits) {
-    // A mesh that another kind explains under a plain convention is of that kind, not a limit of this one
-    // with distorted uvs: a torus of major radius 0 is a sphere.
+    // If another kind explains the mesh under a plain convention, the mesh is of that kind, not a limit of
+    // this one with distorted uvs: a torus of major radius 0 is a sphere.
     const bool another = std::any_of(uv_kinds().begin(), uv_kinds().end(), [&](const UvKind& other) {
       if (&other == kind) return false;
       const auto trial = try_conventions(data, {other, {}, {}, placement, Wanted::Roundings::of_positions});

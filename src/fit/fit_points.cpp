@@ -14,7 +14,7 @@ PointFit fit_points(const PointCloud& points, const PointFitOptions& options) {
   const fit::Primitive* primitive = fit::primitive_named(options.surface);
   if (!primitive) return fit_catalogue(points, options.surface, options);
   if (!primitive->only_where_lengths_agree) return fit::fit_primitives(points, options, primitive);
-  // The catalogue's surface has more lengths. The primitive, where they are equal, is found reliably and
+  // The catalogue's surface has more lengths. The primitive, for which they are equal, is found reliably and
   // serves as a start.
   PointFitOptions with_guess = options;
   if (!options.guess) {

@@ -22,15 +22,15 @@ constexpr Status singular = Status::dpdu_zero | Status::dpdv_zero | Status::para
 
 constexpr int most_columns = 6 + most_parameters + 6;
 constexpr int any = Eigen::Dynamic;
-// A column for each component of δ: by how much it turns the frame about t, b and n, and by which share it
+// One column per component of δ: how far it turns the frame about t, b and n, and the share by which it
 // lengthens the partial along t.
 template <int N>
 using Turns = Eigen::Matrix<double, 4, N, Eigen::RowMajor, 4, N == any ? most_columns : N>;
-// A column for each component of δ: by how much it moves a point along two directions, or its (u, v).
+// One column per component of δ: how far it moves a point along two directions, or its (u, v).
 using Motion = Eigen::Matrix<double, 2, any, 0, 2, most_columns>;
 
 // A fitted surface with the covariance of δ: (rotation vector, translation, parameters, uv map), N numbers.
-// Without the translation where (u, v) is fixed, as it turns no frame there.
+// Without the translation if (u, v) is fixed, as it then turns no frame.
 template <int N>
 struct Fitted {
   const PlacedSurface& placed;
@@ -71,7 +71,7 @@ Fitted<any> fitted(const PlacedSurface& placed, const SurfaceUncertainty& uncert
 }
 
 // Whether the surface has a normal at the pole near (u, v), where its circles v = const shrink to a point:
-// the same normal from all sides. The pole is where dpdu would vanish, by its change along v here.
+// the limit is the same from all sides. The pole is extrapolated as the v where dpdu would vanish.
 bool pole_has_normal(const AnySurface& surface, const Vec2<double>& uv, const Jet2<double>& j) {
   if (surface.info().u != Coordinate::turn) return false;
   const double v = uv.y - dot(j.dpdu, j.d2pduv) / dot(j.d2pduv, j.d2pduv);
@@ -81,7 +81,7 @@ bool pole_has_normal(const AnySurface& surface, const Vec2<double>& uv, const Je
   return sides <= norm(normal(uv.x, uv.y) - normal(uv.x, v)) + 1e-9;
 }
 
-// 0 where rounding made the variance negative; infinite where it is not a number.
+// The root of a variance: 0 if rounding made it negative, infinite if it is NaN.
 double deviation(double variance) {
   return variance > 0 ? std::sqrt(variance) : std::isnan(variance) ? infinity : 0;
 }
@@ -109,7 +109,7 @@ struct Chart {
   }
 };
 
-// A point of a fitted surface, where the surface's parameters move it, and the frame there.
+// A point of a fitted surface, its derivatives with respect to the parameters, and the frame there.
 struct Point {
   Sample<double> s;
   ParameterJet& by;
@@ -120,8 +120,8 @@ struct Point {
   Chart chart() const { return {s.frame.t, s.frame.b, s.frame.n, {s.jet.dpdu, s.jet.dpdv}}; }
 };
 
-// Whether the point has a frame that turns in first order. A point at a pole is moved beside it, to where
-// dpdu tells directions apart: the covariance of n is the same there.
+// Whether the frame at the point is differentiable. A point at a pole is moved beside it, to where dpdu
+// determines directions: the covariance of n is the same there.
 bool has_first_order(const SurfaceWithParameters& surface, Point& at) {
   const Sample<double>& s = at.s;
   if (has(s.frame.status, Status::no_frame | Status::non_finite_input | Status::overflow | Status::dpdv_zero |
@@ -165,7 +165,7 @@ Partials as_they_are(const Partials& p) {
   return p;
 }
 
-// What first order is valid for: n where three standard deviations turn it by less than a radian, t where
+// Where first order is valid: for n, if three standard deviations turn it by less than a radian; for t, if
 // they change dpdu by less than its length.
 struct Validity {
   double normal;  // standard deviation, radians
@@ -176,7 +176,7 @@ Validity validity(const PlacedSurface& placed, const Point& at, const Chart& cha
                   const std::array<double, 4>& variances) {
   const auto& [t, b, n, growth] = variances;
   Validity result;
-  // Beyond a pole, where a uv map may put a whole mesh, dpdu points against t.
+  // Beyond a pole, where a uv map may place a whole mesh, dpdu points against t.
   result.of_tangent = !at.at_pole && std::fabs(chart.e) > 0 && 9 * (b + n + growth) < 1;
   result.normal = deviation(t + b);
   result.of_normal = 3 * result.normal < 1 &&
@@ -213,8 +213,8 @@ UncertainFrame placed_frame(const PlacedSurface& placed, const Sample<double>& s
   return result;
 }
 
-// The frame at uv with its covariance. \param p null: at a fixed uv; else at the foot of this point, in the
-// surface's axes, which is fixed while its foot moves
+// The frame at uv with its covariance. \param p null: at a fixed uv; else at the foot of this point (in the
+// surface's axes), which stays fixed while its foot moves
 UncertainFrame uncertain_frame(const PlacedSurface& placed, const SurfaceUncertainty& uncertainty,
                                const Vec2<double>& uv, const Vec3<double>* p) {
   const Fitted<any> fit = fitted(placed, uncertainty, p != nullptr);
@@ -233,7 +233,8 @@ UncertainFrame uncertain_frame(const PlacedSurface& placed, const SurfaceUncerta
     const double distance = dot(*p - at.s.jet.position, chart.n);
     Eigen::Matrix2d moving;
     moving << 1 - distance * s.a, -distance * s.m, -distance * s.m, 1 - distance * s.c;
-    // Nearest points have both eigenvalues positive; at zero, a focal point, the foot is not unique.
+    // At nearest points both eigenvalues are positive; where one is zero (a focal point) the foot is not
+    // unique.
     if (!(moving.determinant() > 1e-9 * moving.trace() * moving.trace())) return result;
     Motion w = -velocity(fit, at, chart, uncertainty.centre);
     w.row(0) -= distance * turns.row(1);
@@ -266,8 +267,8 @@ const PlacedSurface& surface_of(const PointFit& fit) {
   return *fit.surface;
 }
 
-// The foot on a surface that has no closed form for it. Each thread keeps the projector of the last surface
-// it was asked for, and a copy of that surface, so that no other can have its address.
+// The foot on a surface without a closed form for it. Each thread keeps the projector of the last surface it
+// was called with, and a copy of that surface, so that no other surface can have its address.
 Vec2<double> searched_foot(const AnySurface& surface, const Vec3<double>& p) {
   struct Last {
     AnySurface surface;

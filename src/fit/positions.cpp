@@ -23,7 +23,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t fitted_vertices = 1024;
 constexpr double tip_share =
-    30;  // a normal is known to two degrees where its radius is this many times the error
+    30;  // a normal is known to two degrees if its radius is this many times the error
 constexpr double far_share = 10 * fits_below;  // of the size: no vertex is farther from the surface
 
 // Vertices that triangles use and whose positions are finite.
@@ -35,8 +35,8 @@ std::vector<std::uint32_t> usable_vertices(const Mesh& mesh) {
   return result;
 }
 
-// a, b and d of MeshFit::projection, where the uvs are one. Positions are those of `vertices`, over the size
-// of the mesh.
+// a, b and d of MeshFit::projection, if the uvs are a projection. Positions are those of `vertices`, over the
+// size of the mesh.
 std::optional<Eigen::Matrix3d> projection_of(const Mesh& mesh, const std::vector<std::uint32_t>& vertices,
                                              const Eigen::Vector3d& centre, double size) {
   const auto n = static_cast<Eigen::Index>(vertices.size());
@@ -54,16 +54,16 @@ std::optional<Eigen::Matrix3d> projection_of(const Mesh& mesh, const std::vector
   if (!(std::sqrt(std::fmax(spread.values[1], 0)) <= fits_below)) return std::nullopt;
   Eigen::Matrix3d result;
   result << size * affine->row(0).transpose(), size * affine->row(1).transpose(), spread.vectors.col(2);
-  // Uvs along a line in the plane that is seen project onto nothing.
+  // Uvs along a line in the projected plane are not a projection.
   const Eigen::Vector3d seen = result.col(0).cross(result.col(1));
   if (!(std::fabs(seen.dot(result.col(2))) > 1e-6 * result.col(0).norm() * result.col(1).norm()))
     return std::nullopt;
   return result;
 }
 
-// Replaces the parameters and the placement that are given. The parameters that are not given move to where
-// they are likeliest under that condition, by the fit's covariance as a Gaussian's, which shrinks
-// accordingly. False where the result is no surface.
+// Sets the given parameters and placement. The other parameters move to their likeliest values under that
+// condition, with the fit's covariance taken as Gaussian; the covariance shrinks accordingly. False if the
+// result is not a surface.
 bool hold(const std::optional<SurfaceSpecification>& kind, const std::optional<Eigen::Isometry3d>& placement,
           PointFit& found) {
   Eigen::MatrixXd& c = found.covariance;
@@ -181,7 +181,8 @@ std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit, std::span<const 
   }
   result.reserve(mesh.positions.size());
   const Eigen::Vector3d d = fit.projection.col(2);
-  // A cone's apex has no normal, and what lies as near to it as positions are known may be on any side of it.
+  // A cone's apex has no normal, and a point within the error of the positions from it may be on any side of
+  // it.
   const fit::Primitive* primitive = fit::primitive_named(fit.surface.surface.info().name);
   const bool tipped = primitive && primitive->has_apex;
   const Eigen::Isometry3d to_local = fit.surface.placement.inverse();
@@ -194,8 +195,8 @@ std::vector<Truth> truths(const Mesh& mesh, const MeshFit& fit, std::span<const 
     const Eigen::Vector3d q = to_local * to_eigen(p);
     return std::hypot(q.x(), q.y()) <= tip_share * known_to(p);
   };
-  // Where a projection looks along the surface, its tangent turns by 180 degrees. Whether p lies on one side
-  // of that, ten times as far as it and the normal are known: there a deviation is 6 degrees.
+  // Where a projection looks along the surface, its tangent turns by 180 degrees. Returns whether p is away
+  // from there by ten times the error of its position and normal: a deviation is 6 degrees then.
   const auto is_seen = [&](const Vec3<double>& p, const UncertainFrame& frame) {
     constexpr double surely = 10, steep = 0.1;
     const double facing = to_eigen(frame.n).dot(d);

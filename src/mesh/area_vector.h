@@ -5,7 +5,7 @@
 
 namespace darboux {
 
-// Twice the area of a triangle, along the normal of its winding.
+// A vector along the normal of a triangle's winding; its length is twice the area.
 inline Vec3<double> area_vector(const Mesh& mesh, const Triangle& triangle) {
   const auto& [a, b, c] = triangle;
   return cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);

@@ -25,7 +25,7 @@ namespace {
 
 constexpr double same = 1e-6;  // of the range
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-constexpr double absent = std::numeric_limits<double>::lowest();  // stands for an attribute that a mesh lacks
+constexpr double absent = std::numeric_limits<double>::lowest();  // marks an attribute that a mesh lacks
 
 // Position, normal, uv.
 using Attributes = std::array<double, 8>;
@@ -75,7 +75,7 @@ std::uint32_t previous(std::uint32_t corner) {
 
 // ---- which vertices are the same --------------------------------------------------------------------------
 
-// A label names what is the same; `none` what is the same as nothing.
+// Items with one label are the same; an item with label `none` is the same as nothing.
 using Labels = std::vector<std::uint32_t>;
 
 struct HashOfBits {
@@ -89,7 +89,7 @@ struct HashOfBits {
   }
 };
 
-// The vertices that triangles use, of equal finite attributes; the label is the first such vertex.
+// Labels for used vertices with equal finite attributes; the label is the first such vertex.
 Labels label_by_bits(const Joint& joint) {
   const auto hash = [&](std::uint32_t v) { return HashOfBits{}(joint.vertices[v]); };
   const auto equal = [&](std::uint32_t v, std::uint32_t w) { return joint.vertices[v] == joint.vertices[w]; };
@@ -120,7 +120,7 @@ void for_each_label(const Labels& labels, std::size_t label_count, F f) {
     if (begin[k] < end[k]) f(std::span<std::uint32_t>(items.data() + begin[k], items.data() + end[k]));
 }
 
-// Parts vertices of one label where one of their numbers has a gap wider than the tolerance.
+// Splits vertices of one label where one of their numbers has a gap wider than the tolerance.
 void part(Labels& labels, const Joint& joint, std::size_t first, std::size_t last, double tolerance) {
   for (std::size_t k = first; k < last; ++k) {
     const auto number = [&](std::uint32_t v) { return joint.vertices[v][k]; };
@@ -137,7 +137,7 @@ void part(Labels& labels, const Joint& joint, std::size_t first, std::size_t las
   }
 }
 
-// What is the same within the tolerance.
+// Labels for what is the same within the tolerance.
 struct NearLabels {
   Labels position, position_uv, position_normal, all;
 };
@@ -176,11 +176,11 @@ Bits bits(const Vec4<double>& t) {
 // A corner among those of one label.
 struct Entry {
   std::uint64_t neighbours;  // the labels of the next and the previous corner
-  std::int64_t along;        // the tangent along a fixed direction, as a number that also orders NaN
+  std::int64_t along;  // the tangent's component along a fixed direction, as a number that also orders NaN
   std::uint32_t corner;
 };
 
-// The direction is one in which no two tangents of a symmetric mesh are equally far.
+// In this direction no two tangents of a symmetric mesh have equal components.
 std::int64_t along(const Vec4<double>& t) {
   const auto b = std::bit_cast<std::int64_t>(0.7548 * t.x + 0.5698 * t.y + 0.3247 * t.z);
   return b < 0 ? b ^ std::numeric_limits<std::int64_t>::max() : b;
@@ -305,7 +305,7 @@ bool has_direction(const Vec4<double>& t) {
   return detail::finite(t.xyz()) && t.xyz() != Vec3<double>{};
 }
 
-// 1 where the uvs of the corner's triangle run counter-clockwise, -1 where clockwise, 0 without uv area.
+// 1 if the uvs of the corner's triangle run counter-clockwise, -1 if clockwise, 0 without uv area.
 int raw_sign(const Joint& joint, std::uint32_t corner) {
   const auto uv = [&](std::uint32_t c) {
     const Attributes& x = joint.vertices[joint.vertex_of[c]];

@@ -10,11 +10,11 @@
 
 namespace darboux {
 
-// The edges between nodes, of as many triangles as check_consistent() permits, by the smaller of the two they
-// join. Edge 3t + k runs from corner k of triangle t to its next.
+// The edges between nodes, grouped by the smaller node of each, for as many triangles as check_consistent()
+// permits. Edge 3t + k runs from corner k of triangle t to the next corner.
 class EdgesByNode {
  public:
-  // \param node which of the nodes corner k of triangle t is: node(t, k)
+  // \param node node(t, k) is the node of corner k of triangle t
   template <class Node>
   EdgesByNode(std::size_t triangles, std::size_t nodes, const Node& node)
       : begin_(nodes + 2, 0), edges_(3 * triangles) {
@@ -31,7 +31,7 @@ class EdgesByNode {
   }
 
   std::uint32_t nodes() const { return static_cast<std::uint32_t>(begin_.size() - 2); }
-  // Those whose smaller node this is, in the order of the triangles.
+  // The edges whose smaller node this is, in the order of the triangles.
   std::span<const std::uint32_t> operator[](std::uint32_t node) const {
     return {edges_.data() + begin_[node], edges_.data() + begin_[node + 1]};
   }

@@ -8,7 +8,7 @@
 
 namespace darboux {
 
-// The largest size of a coordinate, of finite points only; 0 where there are none.
+// The largest magnitude of a coordinate among finite points; 0 if there are none.
 inline double largest_coordinate(std::span<const Vec3<double>> points) {
   double largest = 0;
   for (const Vec3<double>& p : points)

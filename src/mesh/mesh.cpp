@@ -18,7 +18,7 @@ void check_consistent(const Mesh& mesh, const std::string& name) {
   check_size(mesh.normals.size(), "normals");
   check_size(mesh.uvs.size(), "uvs");
   check_size(mesh.tangents.size(), "tangents");
-  constexpr std::size_t most_triangles = 0xffffffff / 3;  // whose corners, and edges, 32 bits number
+  constexpr std::size_t most_triangles = 0xffffffff / 3;  // their corners and edges have 32-bit numbers
   if (mesh.triangles.size() > most_triangles)
     throw MeshError(name, expected_got("at most " + std::to_string(most_triangles) + " triangles",
                                        std::to_string(mesh.triangles.size())));

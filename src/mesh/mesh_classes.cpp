@@ -19,7 +19,7 @@ namespace {
 
 constexpr double same = 1e-6;  // of the range
 
-// For each vertex the first of those that count as the same.
+// For each vertex, the first that counts as the same.
 using First = std::vector<std::uint32_t>;
 
 struct Range {
@@ -38,7 +38,7 @@ std::vector<bool> vertices_in_use(const Mesh& mesh) {
   return in_use;
 }
 
-// A share of the range over vertices that triangles use and whose data are finite.
+// A share of the range, taken over used vertices with finite data.
 double position_tolerance(const Mesh& mesh, const std::vector<bool>& in_use) {
   Range x, y, z;
   for (std::size_t i = 0; i < in_use.size(); ++i) {
@@ -61,7 +61,7 @@ double uv_tolerance(const Mesh& mesh) {
   return same * std::max(u.size(), v.size());
 }
 
-// By position. Vertices that no triangle uses stand alone: weld leaves NaN by itself.
+// Groups by position. Vertices that no triangle uses stand alone; weld() leaves NaN alone.
 First places(const Mesh& mesh, const std::vector<bool>& in_use, double tolerance) {
   if (std::find(in_use.begin(), in_use.end(), false) == in_use.end()) return weld(mesh.positions, tolerance);
   std::vector<Vec3<double>> points = mesh.positions;
@@ -70,8 +70,8 @@ First places(const Mesh& mesh, const std::vector<bool>& in_use, double tolerance
   return weld(points, tolerance);
 }
 
-// By place and normal. A place with more than `most` normals (the fan of a pole) lumps the rest together: the
-// question is only "one or several".
+// Groups by place and normal. At a place with more than `most` normals (the fan of a pole) the rest form one
+// group: only "one or several" matters.
 First normals(const Mesh& mesh, const First& place) {
   if (mesh.normals.empty()) return place;
   constexpr int most = 64;
@@ -93,10 +93,10 @@ First normals(const Mesh& mesh, const First& place) {
   return normal;
 }
 
-// By place and uv.
+// Groups by place and uv.
 First uv_places(const Mesh& mesh, const First& place, double tolerance) {
   if (mesh.uvs.empty()) return place;
-  // At nearly all places there is one uv only.
+  // Nearly all places have only one uv.
   std::vector<bool> one(place.size(), true);
   for (std::uint32_t v = 0; v < place.size(); ++v)
     if (mesh.uvs[v] != mesh.uvs[place[v]]) one[place[v]] = false;
@@ -115,8 +115,8 @@ First uv_places(const Mesh& mesh, const First& place, double tolerance) {
   return uv_place;
 }
 
-// Of the triangles around each vertex: +1, -1, or 0 where no triangle has any. A vertex shared by both signs
-// counts as +1; its defect is found by the handedness of its island.
+// The sign of the triangles around each vertex: +1, -1, or 0 if none has a sign. A vertex shared by both
+// signs counts as +1; its defect is found by the handedness of its island.
 std::vector<std::int8_t> signs_of_vertices(const Mesh& mesh, std::span<const signed char> triangle_sign) {
   std::vector<std::int8_t> signs(mesh.positions.size(), 0);
   for (std::size_t t = 0; t < triangle_sign.size(); ++t)
@@ -125,7 +125,7 @@ std::vector<std::int8_t> signs_of_vertices(const Mesh& mesh, std::span<const sig
   return signs;
 }
 
-// Each vertex that is one, unless it is a pole; the others are interior.
+// Marks seams and creases, except at poles; other vertices are interior.
 std::vector<VertexClass> seams_and_creases(const Mesh& mesh, const First& place, const First& normal,
                                            std::span<const signed char> triangle_sign, double uv_tolerance) {
   std::vector<std::int8_t> sign = signs_of_vertices(mesh, triangle_sign);
@@ -139,7 +139,7 @@ std::vector<VertexClass> seams_and_creases(const Mesh& mesh, const First& place,
     const std::uint32_t first = normal[v];
     if (first != place[v]) several_normals[place[v]] = true;
     if (first != v && !same_chart(first, v)) several_charts[first] = true;
-    if (sign[first] == 0) sign[first] = sign[v];  // the first that there is
+    if (sign[first] == 0) sign[first] = sign[v];  // the first nonzero sign
   }
   std::vector<VertexClass> classes(place.size(), VertexClass::interior);
   for (std::uint32_t v = 0; v < place.size(); ++v)
@@ -150,8 +150,8 @@ std::vector<VertexClass> seams_and_creases(const Mesh& mesh, const First& place,
   return classes;
 }
 
-// Marks the places on edges with one triangle, and joins triangles of one sign over edges that share position
-// and uv.
+// Marks places on edges with one triangle, and joins triangles of one sign over edges that share position and
+// uv.
 void walk_edges(const Mesh& mesh, const First& place, const First& uv_place,
                 std::span<const signed char> sign, std::vector<bool>& border, DisjointSets& islands) {
   struct Edge {
@@ -190,8 +190,8 @@ void walk_edges(const Mesh& mesh, const First& place, const First& uv_place,
   }
 }
 
-// Places, of one normal, where islands of one sign meet: their uvs may be the same there, as at the corner of
-// three faces of a cube that have the same texture.
+// Places with one normal where islands of one sign meet. Their uvs may be equal there, as at the corner of
+// three faces of a cube with the same texture.
 std::vector<bool> meeting_places(const Mesh& mesh, const First& normal, std::span<const signed char> sign,
                                  const MeshClasses& classes) {
   std::vector<bool> several(normal.size(), false);

@@ -1,4 +1,4 @@
-// How far a stored number may be from the true one, by rounding.
+// How far rounding may have moved a stored number from the true one.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace darboux {
 
 inline constexpr double single_roundoff = 0x1p-24;
 
-// Half of the step in which a component of a size is stored: the file's, or single precision's where that is
+// Half of the step in which a component of that size is stored: the file's step, or single precision's if
 // larger.
 inline double half_step(double of_file, double size) {
   return std::fmax(of_file, single_roundoff * size);

@@ -15,8 +15,8 @@ constexpr double parallel_below = 8 * 0x1p-53;
 
 bool is_degenerate(const Vec3<double>& p0, const Vec3<double>& p1, const Vec3<double>& p2) {
   const Vec3<double> a = p1 - p0, b = p2 - p0, plain = cross(a, b);
-  // The plain product errs by a few u |a| |b|: where it is above 2^-30 |a| |b|, as nearly always, it tells.
-  // The bound is 0 or infinite where the squares under- or overflow.
+  // The plain product errs by a few u |a| |b|: where it is above 2^-30 |a| |b|, as nearly always, its sign is
+  // right. The bound is 0 or infinite where the squares under- or overflow.
   const double bound = 0x1p-60 * dot(a, a) * dot(b, b);
   if (bound > std::numeric_limits<double>::min() && dot(plain, plain) > bound) return false;
   return !(norm(accurate_cross(unit(a), unit(b))) > parallel_below);

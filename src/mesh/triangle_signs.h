@@ -1,4 +1,4 @@
-// Which triangles have area and which way their uvs wind, found once for all that ask.
+// Which triangles have area and which way their uvs wind, computed once for all users.
 #pragma once
 
 #include <limits>
@@ -8,9 +8,9 @@
 
 namespace darboux {
 
-// 1 where the uvs run counter-clockwise, -1 where clockwise, as plain arithmetic tells of nearly all
-// triangles: the product errs by a few u |a| |b|, and is above 2^-30 |a| |b|. Else 0, also where squares
-// under- or overflow: the caller then has to look more closely.
+// 1 if the uvs run counter-clockwise, -1 if clockwise. Plain arithmetic decides for nearly all triangles: the
+// product errs by a few u |a| |b|, and is above 2^-30 |a| |b|. Else 0, also where squares under- or overflow:
+// the caller then needs a more exact test.
 inline int plain_sign(const Vec2<double>& uv0, const Vec2<double>& uv1, const Vec2<double>& uv2) {
   const Vec2<double> a = uv1 - uv0, b = uv2 - uv0;
   const double plain = a.x * b.y - a.y * b.x, bound = 0x1p-60 * dot(a, a) * dot(b, b);
@@ -21,10 +21,10 @@ inline int plain_sign(const Vec2<double>& uv0, const Vec2<double>& uv1, const Ve
 // The raw sign of a triangle, 0 without uv area.
 signed char triangle_sign(const Vec2<double>& uv0, const Vec2<double>& uv1, const Vec2<double>& uv2);
 
-// That of each triangle of a mesh; all 0 without uvs.
+// The raw sign of each triangle of a mesh; all 0 without uvs.
 std::vector<signed char> triangle_signs(const Mesh& mesh);
 
-// Whether each has area in space.
+// Whether each triangle has area in space.
 std::vector<bool> triangles_with_area(const Mesh& mesh);
 
 }  // namespace darboux

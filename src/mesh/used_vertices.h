@@ -6,7 +6,7 @@
 
 namespace darboux {
 
-// Of each vertex whether a triangle has it.
+// Whether any triangle uses the vertex, per vertex.
 inline std::vector<bool> used_vertices(const Mesh& mesh) {
   std::vector<bool> used(mesh.positions.size(), false);
   for (const Triangle& triangle : mesh.triangles)

@@ -1,4 +1,4 @@
-// Which vertices are the same, found once for all that ask; mesh_classes.cpp has the body.
+// Which vertices are the same, computed once for all users; the body is in mesh_classes.cpp.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace darboux {
 
-// For each vertex the first that counts as the same, in the sense of MeshClasses. Vertices that no triangle
+// For each vertex, the first that counts as the same, in the sense of MeshClasses. Vertices that no triangle
 // uses stand alone.
 struct VertexJoins {
   std::vector<std::uint32_t> position;
@@ -18,7 +18,7 @@ struct VertexJoins {
 
 VertexJoins join_vertices(const Mesh& mesh);
 
-// The public classify(), with what is known already. \param signs triangle_signs() \param joins
+// The public classify(), given what is known already. \param signs triangle_signs() \param joins
 // join_vertices()
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::span<const signed char> signs,
                      const VertexJoins& joins);

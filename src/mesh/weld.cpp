@@ -45,7 +45,7 @@ Box around(const Box& a, const Box& b) {
   return result;
 }
 
-// Along each axis how far two boxes are apart; 0 where they overlap.
+// The gap between two boxes along each axis; 0 where they overlap.
 Vec3<double> gap(const Box& a, const Box& b) {
   Vec3<double> result;
   for (const auto axis : axes)
@@ -54,7 +54,7 @@ Vec3<double> gap(const Box& a, const Box& b) {
 }
 
 // Finds the groups by boxes, each halved at the median of its longest side until its points are near each
-// other. Two boxes are not looked into that are apart, near as a whole, or joined already.
+// other. Pairs of boxes that are apart, near as a whole, or already joined are not searched.
 class Boxes {
  public:
   Boxes(std::span<const Vec3<double>> points, double tolerance)
@@ -108,7 +108,7 @@ class Boxes {
     return nodes_[a].joined && nodes_[b].joined &&
            groups_.find(nodes_[a].points[0]) == groups_.find(nodes_[b].points[0]);
   }
-  // Every point of one node with every near one of the other.
+  // Joins every point of one node with every near point of the other.
   void join(std::uint32_t a, std::uint32_t b) {
     if (!near(gap(nodes_[a].box, nodes_[b].box), tolerance_) || are_joined(a, b)) return;
     if (nodes_[a].points.size() < nodes_[b].points.size()) std::swap(a, b);
@@ -123,8 +123,8 @@ class Boxes {
   bool any_near(Indices a, Indices b) const {
     const Box box_a = box_of(a), box_b = box_of(b);
     if (!near(gap(box_a, box_b), tolerance_)) return false;
-    // Along an axis that is not open all points are near. Where one is open, the two points that are nearest
-    // along it decide; where more are, the box is halved that is longest along one of them.
+    // Along an axis that is not open, all points are near. If one axis is open, the two points nearest along
+    // it decide. If more are, the box that is longest along one of them is halved.
     const Vec3<double> all = around(box_a, box_b).size();
     double Vec3<double>::*along = nullptr;
     double longest = -1;
@@ -155,8 +155,8 @@ class Boxes {
 std::vector<std::uint32_t> weld(std::span<const Vec3<double>> points, double tolerance) {
   if (!(tolerance >= 0 && std::isfinite(tolerance))) tolerance = 0;
   const double largest = largest_coordinate(points);
-  // Cells of 16 tolerances: a point is near a cell's face, and its neighbour must be looked at, in one case
-  // of eight. Never finer than 2^-60 of the largest coordinate, so that cell numbers fit 64 bits.
+  // Cells of 16 tolerances: one point in eight is near a cell's face, so that the neighbouring cell must be
+  // searched. Never finer than 2^-60 of the largest coordinate, so that cell numbers fit 64 bits.
   const double size = std::max({16 * tolerance, largest * 0x1p-60, std::numeric_limits<double>::min()});
   const auto cell = [inverse = 1 / size](double x) { return static_cast<std::int64_t>(x * inverse); };
   const auto first_cell = [&](double x) { return cell(std::max(x - tolerance, -largest)); };
@@ -169,9 +169,9 @@ std::vector<std::uint32_t> weld(std::span<const Vec3<double>> points, double tol
 
   DisjointSets groups(points.size());
   HashTable distinct;
-  std::size_t asked = 0;  // pairs of points
+  std::size_t asked = 0;  // compared pairs
   for (std::uint32_t i = 0; i < points.size(); ++i) {
-    // Where cells are crowded, as when all but one point lie within the tolerance of each other, boxes are
+    // If cells are crowded, as when all but one point lie within the tolerance of each other, boxes are
     // faster.
     if (asked > 32 * (std::size_t{i} + 1000)) return Boxes(points, tolerance).representatives();
     if (i + HashTable::soon < hashes.size()) distinct.prefetch(hashes[i + HashTable::soon]);

@@ -56,7 +56,7 @@ Accurate::Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks
   tangents_agree_ = all_tangents.agree();
 }
 
-// By the triangles that share a normal: those of a sheet that has both sides may lie in another part.
+// The side is that of the triangles that share the normal: the other side of a sheet may lie in another part.
 void Accurate::find_sides(const Mesh& mesh, std::span<const signed char> side,
                           std::span<const std::uint32_t> corners_of) {
   std::size_t corners = 0, inward = 0;
@@ -65,8 +65,8 @@ void Accurate::find_sides(const Mesh& mesh, std::span<const signed char> side,
     if (side[v] > 0 && is_opposed(v)) inward_[v] = true;
     corners += corners_of[v], inward += inward_[v] ? corners_of[v] : 0;
   }
-  // Where the surface's inside is the mesh's outside, normals that only their own triangles oppose are
-  // compared with the inward one, too.
+  // If the mesh's outside is the surface's inside, normals that only their own triangles oppose are compared
+  // with the inward normal, too.
   if (2 * inward <= corners) return;
   for (std::size_t v = 0; v < inward_.size(); ++v)
     if (side[v] < 0 && !is_opposed(v)) inward_[v] = true;

@@ -11,7 +11,7 @@
 
 namespace darboux {
 
-// Flattened, as it is called for every vertex and mostly takes the short way through what it calls.
+// Flattened, as it is called for every vertex and its callees mostly return early.
 DARBOUX_FLATTEN Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks,
                               const Truth& truth, bool inward, bool raw) {
   Angles result;
@@ -23,7 +23,7 @@ DARBOUX_FLATTEN Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChe
   if (!checks.has_tangent || !detail::finite(truth.tangent)) return result;
   const Vec4<double>& t = mesh.tangents[v];
   result.tangent = result.projected_tangent = angle(t.xyz(), truth.tangent);
-  constexpr double orthogonal = 1e-4;  // which turns a projection by less than a hundredth of a degree
+  constexpr double orthogonal = 1e-4;  // turns a projection by less than a hundredth of a degree
   if (const Vec3<double> n = checks.has_normal ? mesh.normals[v] : Vec3<double>{};
       std::fabs(dot(t.xyz(), n)) > orthogonal)
     result.projected_tangent = angle(square_to(t.xyz(), n), truth.tangent);
@@ -35,7 +35,7 @@ DARBOUX_FLATTEN Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChe
 std::vector<bool> inward_vertices(const Mesh& mesh, std::span<const Truth> truth) {
   std::vector<bool> inward = opposed_vertices(mesh, truth);
   if (std::find(inward.begin(), inward.end(), true) == inward.end()) return inward;
-  std::vector<std::int32_t> against(mesh.positions.size(), 0);  // less those that agree
+  std::vector<std::int32_t> against(mesh.positions.size(), 0);  // minus those that agree
   for (const Triangle& t : mesh.triangles) {
     const Vec3<double> face = area_vector(mesh, t);
     for (const std::uint32_t v : t)

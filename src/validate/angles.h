@@ -1,4 +1,4 @@
-// Angles between what is stored and a truth, and their statistics by class.
+// Angles between stored normals or tangents and a truth, and their statistics by class.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ inline bool has_direction(const Vec3<double>& a) {
   return detail::finite(a) && !(a == Vec3<double>{});
 }
 
-// Degrees between what is stored and a truth; negative where there is nothing to compare.
+// Degrees between stored vectors and a truth; negative where there is nothing to compare.
 struct Angles {
   double normal = -1, tangent = -1, bitangent = -1;
   double projected_tangent = -1;  // of the tangent made perpendicular to the stored normal, as readers do
@@ -31,8 +31,8 @@ struct Angles {
 Angles angles(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks, const Truth& truth, bool inward,
               bool raw);
 
-// Vertices seen from inside, to be compared with -n: where the normal and the winding both oppose the
-// surface's n at most of their corners. On a plate with two sides, each side is compared with its own n.
+// Vertices seen from inside, to be compared with -n: the normal and the winding both oppose the surface's n
+// at most of their corners. On a plate with two sides, each side is compared with its own n.
 std::vector<bool> inward_vertices(const Mesh& mesh, std::span<const Truth> truth);
 
 // Vertices whose normal opposes the surface's n, whatever the winding.
@@ -42,7 +42,7 @@ std::vector<bool> opposed_vertices(const Mesh& mesh, std::span<const Truth> trut
 class ClassSums {
  public:
   ClassSums(const Mesh& mesh, std::span<const VertexClass> of_vertex);
-  // \param truth whose deviations are summed up, or none
+  // \param truth its standard deviations are summed up; may be none
   void add(VertexClass vertex_class, std::uint32_t vertex, std::uint32_t corners, const Angles& angles,
            const Truth* truth);
   std::vector<ClassReport> reports();
@@ -50,7 +50,7 @@ class ClassSums {
  private:
   struct Sums {
     std::size_t corners = 0;
-    std::size_t vertices = 0;  // of the class, which is room for what is added
+    std::size_t vertices = 0;  // of the class: capacity for what is added
     std::vector<Counted> normal, tangent, bitangent;
     Spread normal_uncertainty, tangent_uncertainty;
     double worst = -1;

@@ -8,13 +8,13 @@
 namespace darboux {
 namespace {
 
-// Whether a surface ends there, where people give it the normals of what comes next.
+// Whether a surface ends there: people give it the normals of the adjoining surface.
 bool ends_at(VertexClass c) {
   return c == VertexClass::border || c == VertexClass::crease;
 }
 
 struct Step {
-  double off;  // by how much the normal of the first is, degrees
+  double off;  // the deviation of the first one's normal, degrees
   std::uint32_t from, to;
 };
 

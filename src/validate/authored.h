@@ -8,9 +8,9 @@
 
 namespace darboux {
 
-// Vertices at borders, seams and creases, and vertices beyond their limit that a path of triangle edges joins
-// to a border or crease, if along it, from there on, the normals come nearer to the surface's by at least a
-// tenth at each step: people blend the normals of what comes next into a surface, as the ground's into a
+// Vertices at borders, seams and creases. Also vertices beyond their limit that a path of triangle edges
+// connects to a border or crease, if the deviation of the normals falls by at least a tenth at each step away
+// from there: people blend the normals of the adjoining surface into a surface, such as the ground's into a
 // rock's.
 std::vector<bool> may_be_authored(const MeshUnderTest& under_test, const Accurate& accurate);
 

@@ -26,9 +26,9 @@ Averages::Averages(const MeshUnderTest& under_test, const Accurate& accurate,
       if (own.all_round[k]) tangents_[k] = true;
   }
   if (!any_normal) return;
-  // Relief on a surface, as a groove round a shaft, has exact normals that follow the triangles: they lean
-  // from the surface up to twice as far as an average of the triangles' does. At a border that average leans
-  // by half a triangle's turn, whatever the surface.
+  // Relief on a surface, such as a groove round a shaft, has exact normals that follow the triangles: they
+  // deviate from the surface's up to twice as far as an average over the triangles does. At a border that
+  // average deviates by half a triangle's turn, whatever the surface.
   std::vector<double> within_deg(n, 1);
   for (std::uint32_t v = 0; v < n; ++v)
     if (normals[v] && under_test.classes.of_vertex[v] != VertexClass::border)

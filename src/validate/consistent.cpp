@@ -11,10 +11,10 @@
 namespace darboux {
 namespace {
 
-constexpr double most_scaled = 0.03;  // of a mesh's tangents, that a baked scale may explain: a choice
+constexpr double most_scaled = 0.03;  // share of a mesh's tangents that a baked scale may explain: a choice
 
-// Turned tangents. On a prism with three sides and normals between those of its facets, making dpdu
-// perpendicular to the normal turns it by 25 degrees; with more sides, by less.
+// The least turn of turned tangents. On a prism with three sides and normals between those of its facets,
+// making dpdu perpendicular to the normal turns it by 25 degrees; with more sides, by less.
 constexpr double foreshortened_deg = 30;
 constexpr double nearly_all = 0.9;
 constexpr std::size_t least_turned = 8;  // corners of vertices
@@ -36,9 +36,9 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
   claims_.assign(2 * n, Claim::none);
   std::vector<bool> asked(2 * n, false), vertices(n, false);
   bool any = false;
-  double limit_of_cosine = 0, cosine = 1;  // nearly all vertices have the same
-  // Most tangents lie near the direction of some triangle of their own vertex, and so within its cone widened
-  // by the limit.
+  double limit_of_cosine = 0, cosine = 1;  // cached: nearly all vertices have the same limit
+  // Quick test: most tangents lie within the limit of the direction of some triangle of their vertex, so they
+  // are inside the widened cone.
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (raw_sign[t] == 0 || !has_area[t]) continue;
     const Triangle& triangle = mesh.triangles[t];
@@ -104,7 +104,8 @@ void Cones::hold_if_turned(double max_angle_deg) {
   for (const Outside& o : outside_) within -= claims_[o.place] == Claim::within ? 1 : 0;
   const double known = static_cast<double>(within) + static_cast<double>(outside_.size());
   if (outside_.size() < least_turned || static_cast<double>(outside_.size()) < nearly_all * known) return;
-  // All in one sense, or in the opposite one where uvs are mirrored, as with bitangents in place of tangents.
+  // All turn the same way, or the opposite way where uvs are mirrored, as with bitangents in place of
+  // tangents.
   for (const bool by_sign : {false, true}) {
     const auto middle = [&](const Outside& o) {
       return by_sign && o.place % 2 == 0 ? -double{o.middle} : double{o.middle};
@@ -175,7 +176,8 @@ Cones Cones::restricted_to(std::span<const std::uint32_t> vertices, double max_a
       const auto place = static_cast<std::uint32_t>(signed_index(vertices[i], sign));
       result.claims_.push_back(claims_[place]);
       const Outside* at = outside_at(place);
-      // A part that ends at its charts' seams on one side alone has averages that lie one way.
+      // Where all seams of a part lie on one side of it, averages at the seams all deviate the same way: no
+      // evidence of a turn.
       if (at == nullptr || claims_[place] == Claim::within) continue;
       result.outside_.push_back(*at);
       result.outside_.back().place = static_cast<std::uint32_t>(signed_index(i, sign));

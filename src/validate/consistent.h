@@ -3,24 +3,24 @@
 // What it may claim. The dpdu of a corner's triangles, each made perpendicular to the stored normal, span a
 // cone of directions in the plane of that normal. Every average of them with positive weights lies inside:
 // MikkTSpace's, by area, by angle, any other. A tangent farther outside than the limit is no such average.
-// That is an error, unless a known surface or, on a coarse mesh, the neighbours (smooth.h) allow it.
+// That is an error, unless a known surface or, on a coarse mesh, the neighbours (smooth.h) excuse it.
 //
 // From what evidence. The triangles of a corner are all that share its position and, within 0.9 degrees, its
 // normal (assimp joins dot products of 0.9999), and whose uv area has the sign of the corner's own. Where two
-// of them form a quad that is convex in uv, the triangles of its other diagonal count too: nobody knows along
-// which one the tool that made the tangents cut it. Each dpdu carries the interval that half a rounding step
-// of positions, uvs and normal allows.
+// of them form a quad that is convex in uv, the triangles of its other diagonal count too: the tool that made
+// the tangents may have cut it along either one. Each dpdu carries the interval that half a rounding step of
+// positions, uvs and normal allows.
 //
 // Nothing is claimed of a tangent
 // - that is MikkTSpace's, or where MikkTSpace gives none
-// - outside the cone where a triangle that tells no direction may have drawn it there
+// - outside the cone, where a triangle without a known direction may have drawn it there
 // - outside the cone at a corner of a quad that is convex in space and concave in uv, if its other diagonal
-//   is the one inside, or is the shorter one in uv, along which MikkTSpace cuts
+//   lies inside in uv, or is the shorter one in uv, along which MikkTSpace cuts
 //
 // A tangent is left open where directions span 180 degrees or more, and where it is outside by no more than
 // - three times the limit of the interior plus the turn of the normals over the triangles, where these lie on
-//   one side of a curved vertex: at creases, tips, folds of the uvs, and where charts meet that do not
-//   continue one another. The true direction may lie half a triangle beyond them
+//   one side of a vertex of a curved surface: at creases, tips, folds of the uvs, and where charts meet that
+//   do not continue one another. The true direction may lie half a triangle beyond them
 // - the limit plus half of the angle by which the next triangles turn on, less the width of the cone, 45
 //   degrees at most, on one side of any vertex, flat or curved: at the end of a bend of few columns the exact
 //   tangent is half a column outside
@@ -28,14 +28,15 @@
 //   vertex of its own there, which lies on one side of it
 // - the limit plus about 4/3 of the angle by which the dpdu of a triangle leans from the plane of the normal,
 //   45 degrees at most, if at most 3 % of a mesh's tangents are outside and fewer than half of those that
-//   lean are MikkTSpace's. A scale may have been baked into the positions: tangents moved with them and
-//   normals by the inverse transpose, which takes few averages out of the cone that the scaled triangles span
+//   lean are MikkTSpace's. A scale may have been baked into the positions, with tangents scaled alike and
+//   normals by the inverse transpose: this moves few averages out of the cone that the scaled triangles span
 //
-// One turn of all overrides this: where one turn about the normals, by 30 degrees or more, would bring nine
-// tenths of a mesh's or a part's tangents from outside their cones to within the limit of them, it explains
-// what was left open, and no shape does. Those tangents are beyond, too. Of a tangent that was left open, or
-// where several charts meet, the cone is then that of the triangles with the vertex's own uv: charts that
-// meet, as at the corners of a smooth cube or at bevels, may be averaged, but not all in one sense.
+// One turn of all overrides this. Suppose one turn about the normals, by 30 degrees or more, would bring nine
+// tenths of a mesh's or a part's tangents from outside their cones to within the limit of them. No shape
+// explains that, but a turn does, so the tangents left open are beyond the limit, too. For tangents left
+// open, and where several charts meet, the cone of this test is that of the triangles with the vertex's own
+// uv: tangents may be averages over charts that meet, as at the corners of a smooth cube or at bevels, but
+// such averages do not all turn the same way.
 #pragma once
 
 #include <cstdint>
@@ -49,14 +50,13 @@
 
 namespace darboux {
 
-// The index of an entry in vectors with two entries per vertex, one for its triangles of each raw sign:
-// clockwise first.
+// The index into vectors with two entries per vertex, one per raw sign of its triangles, clockwise first.
 inline std::size_t signed_index(std::uint32_t v, int sign) {
   return 2 * std::size_t{v} + (sign > 0 ? 1 : 0);
 }
 
-// A multiple of a triangle's dpdu in its direction, of ordinary size; zero or NaN where there is none.
-// \param sign its raw sign
+// A vector along a triangle's dpdu, scaled to ordinary size; zero or NaN where there is none. \param sign its
+// raw sign
 Vec3<double> direction_of_dpdu(const Mesh& mesh, const Triangle& t, int sign);
 
 class Cones {
@@ -70,14 +70,14 @@ class Cones {
         double max_angle_deg);
 
   bool empty() const { return claims_.empty(); }
-  // The claim on the corners of v in triangles of that sign. For sign 0, no uv area, it is the better of the
+  // The claim on the corners of v in triangles of that sign. For sign 0 (no uv area) it is the better of the
   // other two.
   Claim claim(std::uint32_t v, int sign) const;
-  // How far the tangent lies outside, in degrees, where it is beyond; 0 elsewhere.
+  // How far outside the tangent lies, in degrees, where the claim is beyond; 0 elsewhere.
   double outside_deg(std::uint32_t v, int sign) const;
   struct Turn {
     double deg;    // from -180 to 180
-    bool by_sign;  // of uvs that wind counter-clockwise, and the other way of the others
+    bool by_sign;  // by deg where uvs wind counter-clockwise, by -deg elsewhere
   };
   // By how much nearly all tangents are turned about their normals, if they are.
   const std::optional<Turn>& turn() const { return turn_; }
@@ -85,29 +85,29 @@ class Cones {
   Cones restricted_to(std::span<const std::uint32_t> vertices, double max_angle_deg) const;
 
  private:
-  // A tangent outside a known cone, or outside that of its own chart, judged or not. In degrees: how far it
-  // is outside, the cone's middle as seen from the tangent, and half of its width.
+  // A tangent outside a known cone, or outside the cone of its own chart, judged or not. In degrees: how far
+  // outside it is, the cone's middle as seen from the tangent, and half of the cone's width.
   struct Outside {
     std::uint32_t place;  // in claims_
     float deg, middle, half;
   };
   // Null where there is none.
   const Outside* outside_at(std::uint32_t place) const;
-  // Claims nothing of those that are MikkTSpace's.
+  // Withdraws claims on tangents that are MikkTSpace's.
   void leave_out_mikktspaces(const Mesh& mesh, std::span<const signed char> raw_sign,
                              const MikktspaceReference& mikktspace, std::span<const double> limit_deg);
   // Looks for one turn of all.
   void hold_if_turned(double max_angle_deg);
 
-  std::vector<Claim> claims_;     // of vertex v: clockwise at 2 v, counter-clockwise behind it
+  std::vector<Claim> claims_;     // of vertex v: clockwise at 2 v, counter-clockwise at 2 v + 1
   std::vector<Outside> outside_;  // by place, ascending
   std::optional<Turn> turn_;
 };
 
-// For vertices that are asked about, an entry for each sign of their triangles, clockwise at 2 v,
-// counter-clockwise behind it, as Cones has them; false for others. average: the tangent is an average of its
-// own triangles' dpdu with positive weights; a coarse mesh cannot do better. all_round: these span 180
-// degrees or more, as at a cone's tip, so that no tangent is right for all.
+// For each requested vertex, an entry per sign of its triangles, indexed as in Cones; false for other
+// vertices. average: the tangent is an average of its own triangles' dpdu with positive weights; a coarse
+// mesh cannot do better. all_round: these dpdu span 180 degrees or more, as at a cone's tip, so no tangent is
+// right for all.
 struct OwnDirections {
   std::vector<bool> average, all_round;
 };

@@ -18,19 +18,19 @@ namespace {
 
 constexpr double one_sided = 3;            // times the limit
 constexpr double most_turned_on_deg = 45;  // from the next triangles to a border
-// A baked scale of up to 3 : 1 turns the direction that was the normal's away from the new normal, by an
-// angle whose tangent is at most (3 - 1/3) / 2. How far such a turn is allowed is a choice.
+// A baked scale of up to 3 : 1 turns the former normal direction away from the new normal, by an angle whose
+// tangent is at most (3 - 1/3) / 2. How large a turn is allowed is a choice.
 constexpr double lean_of_scale = 4.0 / 3, most_lean_deg = 45;
 constexpr double uniform_deg = 0.1;
-// Normals at one place that count as one. assimp's dot product is 0.9999.
+// Normals at one place within this angle count as one. assimp joins dot products of 0.9999.
 constexpr double alike_deg = 0.9;
 
 constexpr double half_turn = std::numbers::pi;  // radians
 
 constexpr std::ptrdiff_t most_at_a_place = 256;  // corners
 constexpr std::ptrdiff_t kept_from = 16;         // corners at a position: from here on directions are cached
-constexpr std::ptrdiff_t most_at_an_edge = 64;   // triangles that each make a quad with each of the others
-constexpr std::ptrdiff_t most_next = 16;         // triangles at a position: beyond, the next ones are ignored
+constexpr std::ptrdiff_t most_at_an_edge = 64;   // triangles; beyond, the cone is uncertain
+constexpr std::ptrdiff_t most_next = 16;         // triangles at a position; further neighbours are ignored
 
 // \param n unit
 bool are_alike(const Vec3<double>& a, const Vec3<double>& n) {
@@ -49,7 +49,8 @@ double uv_area2(const Mesh& mesh, const Triangle& t) {
   return signed_uv_area2(mesh.uvs[t[0]], mesh.uvs[t[1]], mesh.uvs[t[2]]);
 }
 
-// The smallest arc that holds all; half is half a turn or more where they leave no gap of 180 degrees.
+// The smallest arc that contains all arcs; its half is half a turn or more where they leave no gap of 180
+// degrees.
 Arc hull(std::vector<Arc>& arcs) {
   double reached = 0;
   for (Arc& arc : arcs) {
@@ -59,7 +60,7 @@ Arc hull(std::vector<Arc>& arcs) {
   }
   std::sort(arcs.begin(), arcs.end(),
             [](const Arc& a, const Arc& b) { return a.middle - a.half < b.middle - b.half; });
-  // Each gap ends where an arc begins, that of the first began a turn before.
+  // Each gap ends where an arc begins; the gap before the first arc began in the previous turn.
   reached -= 2 * half_turn;
   double widest = -1, from = 0, to = 0;
   for (const Arc& arc : arcs) {
@@ -104,7 +105,7 @@ CornerCones::Assessed CornerCones::assess(std::uint32_t v, int sign, double limi
   const Directions* found = directions_of(v, sign, true);
   const std::optional<Arc> cone = cone_of(v, found);
   if (!cone) return {Claim::none, std::nullopt};
-  const Directions directions = *found;  // the next that are asked for take its place
+  const Directions directions = *found;  // the next call overwrites *found
   if (cone->half >= half_turn / 2) return {Claim::none, cone_of_chart(v, sign, directions)};
   const double outside = outside_deg(v, *cone);
   if (outside <= limit_deg) {
@@ -124,7 +125,7 @@ double CornerCones::outside_deg(std::uint32_t v, const Arc& cone) const {
 
 CornerCones::Direction CornerCones::direction(std::uint32_t v, int sign) {
   const Directions* found = directions_of(v, sign, false);
-  // A triangle without uv area, as far as its uvs are known, may have drawn an average anywhere.
+  // A triangle whose uv area is within rounding may have drawn an average anywhere.
   const bool uncertain = found && found->uncertain;
   const std::optional<Arc> own = cone_of(v, found);
   if (!own) return {uncertain, false};
@@ -147,7 +148,7 @@ const CornerCones::Directions* CornerCones::directions_of(std::uint32_t v, int s
   const std::ptrdiff_t many = at.last - at.first;
   Vec3<double> n = unit(mesh_.normals[v]);
   if (!has_direction(n)) return nullptr;
-  // Where very many meet, only those of its own normal: comparing each with each would take long.
+  // Where very many corners meet, use only those of its own normal: comparing all pairs would take long.
   if (many > most_at_a_place) {
     at = {from(place_of_v, own), from(place_of_v, own + 1)};
     if (!are_alike(mesh_.normals[v], unit(mesh_.normals[own]))) return nullptr;
@@ -203,14 +204,15 @@ bool CornerCones::Directions::is_uniform() const {
          cone->half <= widest + uniform_deg / degrees_per_radian;
 }
 
-// Whether the true direction may be so far outside of the cone, as the triangles lie on one side.
+// Whether the true direction may lie as far outside of the cone as the tangent, because the triangles lie on
+// one side.
 bool CornerCones::is_left_open(std::uint32_t v, int sign, const Directions& directions, const Arc& cone,
                                double outside, double limit_deg) {
   if (directions.pole_turn > 0 && outside <= limit_deg + degrees_per_radian * directions.pole_turn)
     return true;
   // The frame turns over a triangle about as its normals do.
   const double normals_turn = degrees_per_radian * directions.normals_turn;
-  // Where a facet was cut into pieces, and its frames were interpolated, they turn though it does not.
+  // Where a facet was cut into pieces and its frames were interpolated, frames turn though the facet is flat.
   if (directions.flat && outside <= limit_deg + normals_turn) return true;
   if (directions.closed) return false;
   if (outside <= one_sided * max_angle_deg_ + normals_turn && !directions.is_uniform()) return true;
@@ -218,18 +220,18 @@ bool CornerCones::is_left_open(std::uint32_t v, int sign, const Directions& dire
          outside <= limit_deg + degrees_per_radian * turn_before(v, sign, directions, cone);
 }
 
-// How far the direction at v may lie from that of its own triangles, towards the tangent: half of the angle
-// by which the next triangles turn on, which share a vertex with them and have none at this position, less
-// the width of its own cone, as its own triangles then lie on both sides of v.
+// How far the direction at v may lie from that of its own triangles, towards the tangent. The next triangles
+// share a vertex with these and have none at this position. The result is half of the angle by which they
+// turn on, less the width of the cone of v: where that is wide, its own triangles lie on both sides of v.
 double CornerCones::turn_before(std::uint32_t v, int sign, const Directions& all, const Arc& cone) {
   if (all.at.last - all.at.first > most_next) return 0;
   const bool clockwise =
-      std::remainder(cone.middle, 2 * half_turn) < 0;  // from the tangent to the cone, and on
+      std::remainder(cone.middle, 2 * half_turn) < 0;  // the way from the tangent to the cone
   const Directions* own = directions_of(v, sign, false);
   if (!own || !own->cone) return 0;
   const Arc from = *own->cone;
   sort_by_vertex();
-  x_ = all.x, y_ = all.y, n_ = unit(mesh_.normals[v]);  // those of what was kept are another vertex's
+  x_ = all.x, y_ = all.y, n_ = unit(mesh_.normals[v]);  // kept directions belong to another vertex's normal
   double most = 0;
   for (auto c = all.at.first; c != all.at.last; ++c) {
     if (raw_sign_[c->triangle] != sign || !are_alike(mesh_.normals[corner(c->triangle, c->k)], n_)) continue;
@@ -267,8 +269,7 @@ void CornerCones::sort_by_vertex() {
   std::sort(by_vertex_.begin(), by_vertex_.end());
 }
 
-// The cone, as seen from the tangent, of those triangles alone that have v's uv; nothing where it goes all
-// round.
+// The cone, as seen from the tangent, of only those triangles that have v's uv; none where it goes all round.
 std::optional<Arc> CornerCones::cone_of_chart(std::uint32_t v, int sign, Directions all) {
   if (all.at.last - all.at.first > most_next) return std::nullopt;
   x_ = all.x, y_ = all.y, n_ = unit(mesh_.normals[v]);
@@ -283,7 +284,7 @@ std::optional<Arc> CornerCones::cone_of_chart(std::uint32_t v, int sign, Directi
   return all.cone->half < half_turn / 2 ? cone_of(v, &all) : std::nullopt;
 }
 
-// The cone as seen from the tangent, which is the direction 0.
+// The cone as seen from the tangent, whose direction is 0.
 std::optional<Arc> CornerCones::cone_of(std::uint32_t v, const Directions* directions) const {
   if (!directions || !directions->cone) return std::nullopt;
   const Vec3<double> t = mesh_.tangents[v].xyz();
@@ -292,9 +293,9 @@ std::optional<Arc> CornerCones::cone_of(std::uint32_t v, const Directions* direc
   return Arc{directions->cone->middle - std::atan2(y, x), directions->cone->half};
 }
 
-// Whether the triangles go all round the vertex. On one side of a curved surface half of the directions are
-// missing. A chart that is cut may continue, as at the seam of a sphere, or end, as where three faces of a
-// cube meet.
+// Whether the triangles go all round the vertex. If they lie on one side of it, half of the directions of a
+// curved surface are missing. A chart that is cut may continue, as at the seam of a sphere, or end, as where
+// three faces of a cube meet.
 bool CornerCones::goes_all_round() {
   constexpr double rounding = 1e-4;
   std::sort(rim_.begin(), rim_.end(), [](const Spoke& a, const Spoke& b) {
@@ -316,7 +317,7 @@ void CornerCones::add_spokes(const Corner& c, std::vector<Spoke>& to) const {
     to.push_back({place(c.triangle, k), mesh_.uvs[corner(c.triangle, k)], mesh_.uvs[triangle[c.k]], size});
 }
 
-// The angle of a triangle at its corner, in the plane at hand.
+// The angle of a triangle at its corner, in the current plane.
 double CornerCones::angle_at(const Corner& c) const {
   const Vec3<double>& at = mesh_.positions[corner(c.triangle, c.k)];
   const auto direction = [&](std::uint32_t k) {
@@ -326,8 +327,9 @@ double CornerCones::angle_at(const Corner& c) const {
   return std::fabs(std::remainder(direction(c.k + 1) - direction(c.k + 2), 2 * half_turn));
 }
 
-// Whether the uvs of this position form a line, as at a pole: at least three times, edges from here that
-// end at one uv begin at two. Along that line the direction of u turns, for each triangle by its angle.
+// Whether the uvs of this position form a line, as at a pole: at least three times, two edges from here end
+// at the same uv but begin at different ones. Along that line the direction of u turns, over each triangle by
+// its angle.
 bool CornerCones::is_collapsed_edge() {
   constexpr double alike = 1e-3;  // of the way between the two
   const auto order = [](const Spoke& s) {
@@ -343,7 +345,7 @@ bool CornerCones::is_collapsed_edge() {
   return split >= 3;
 }
 
-// Adds the direction of a triangle, with its interval, if its uvs wind as asked.
+// Adds the direction of a triangle, with its interval, if its uvs wind as `sign` says.
 void CornerCones::add(const Triangle& triangle, int sign) {
   const std::array<Vec3<double>, 3> p = positions_of(mesh_, triangle);
   const std::array<Vec2<double>, 3> uv = uvs_of(mesh_, triangle);
@@ -379,20 +381,20 @@ void CornerCones::add(const Triangle& triangle, int sign) {
   lean_ = std::fmax(lean_, std::asin(std::fmin(1, lean_of_scale * std::fabs(dot(t, n_)) / length)));
 }
 
-// As the normal at hand does.
+// Whether the triangle faces the side of the current normal.
 bool CornerCones::faces(const Triangle& t) const {
   return dot(area_vector(mesh_, t), n_) > 0;
 }
 
-// Whether a triangle has no area in space, or none in uv as far as its uvs are known.
+// Whether a triangle has no area in space, or none in uv beyond rounding.
 bool CornerCones::is_open(const Triangle& t) const {
   const auto p = positions_of(mesh_, t);
   return is_degenerate(p[0], p[1], p[2]) || certain_sign(mesh_, t, mesh_.half_steps.uv) == 0;
 }
 
-// Whether the uvs of a triangle lie on a line, and no two of its uvs or positions are equal. Triangles of
-// two quads, whose diagonals meet, make such a half of a "quad", which tells nothing. Of a quad with a
-// collapsed edge, or with three corners on a line only in space, tools make what they like.
+// Whether the uvs of a triangle lie on a line, and no two of its uvs or positions are equal. Two triangles of
+// different quads, whose diagonals meet, look like a quad with such a half, but are none. On a quad with a
+// collapsed edge, or with three corners on a line only in space, tools differ.
 bool CornerCones::is_on_a_line(const Triangle& t) const {
   const auto meet = [&](std::uint32_t a, std::uint32_t b) {
     return mesh_.positions[a] == mesh_.positions[b] || mesh_.uvs[a] == mesh_.uvs[b];
@@ -401,8 +403,8 @@ bool CornerCones::is_on_a_line(const Triangle& t) const {
          !meet(t[2], t[0]);
 }
 
-// Adds, for each quad that edge k of the corner's triangle cuts, the triangles of its other diagonal that
-// have the corner.
+// Edge k of the corner's triangle may be the diagonal of quads. For each, adds the triangles at the corner
+// that its other diagonal would make.
 void CornerCones::add_other_diagonal(const Corner& c, std::uint32_t k, int sign) {
   const std::uint32_t t = c.triangle;
   if (raw_sign_[t] != sign) return;
@@ -424,12 +426,12 @@ void CornerCones::add_other_diagonal(const Corner& c, std::uint32_t k, int sign)
     const std::uint32_t x = corner(e->triangle, e->k + 2);
     const Triangle first{p, x, r}, second{x, q, r};
     const double first_area = uv_area2(mesh_, first), second_area = uv_area2(mesh_, second);
-    // In space, as the quads that people model are.
+    // Convex in space, as quads that people model are.
     const auto is_convex = [&] { return faces(first) && faces(second); };
     if (raw_sign_[e->triangle] != sign) {
-      // A quad that is concave in uv, cut along the diagonal outside it, has halves that wind in two ways.
-      // Its tangents, of one side, are those of the diagonal inside. At a mirrored seam there are two
-      // sides.
+      // If a quad that is concave in uv is cut along the diagonal outside it, its halves wind in opposite
+      // ways. Tangents with one w belong to the diagonal inside. At a mirrored seam there are two values of
+      // w.
       if (mesh_.tangents[x].w == mesh_.tangents[r].w && first_area * second_area > 0 && is_convex())
         uncertain_ = true;
       continue;
@@ -440,7 +442,7 @@ void CornerCones::add_other_diagonal(const Corner& c, std::uint32_t k, int sign)
       continue;
     }
     if (!(first_is_open || first_area * sign > 0) || !(second_is_open || second_area * sign > 0)) {
-      // Not convex in uv. MikkTSpace cuts a quad along the shorter diagonal in uv, though it lies outside.
+      // Not convex in uv. MikkTSpace cuts a quad along the shorter diagonal in uv, even if it lies outside.
       const auto apart = [&](std::uint32_t i, std::uint32_t k) { return norm(mesh_.uvs[i] - mesh_.uvs[k]); };
       if (apart(x, r) <= apart(p, q) && is_convex()) uncertain_ = true;
       continue;

@@ -1,5 +1,5 @@
-// The directions that the triangles of a corner span, of corners whose tangents lie along none of them: what
-// consistent.h says of cones, quads, borders and poles.
+// The cones of corners whose tangents lie along none of their triangles' directions: the rules of
+// consistent.h on cones, quads, borders and poles.
 #pragma once
 
 #include <array>
@@ -27,26 +27,27 @@ struct Arc {
 
 class CornerCones {
  public:
-  // \param raw_sign of each triangle, 0 without uv area \param vertices those that are asked about
+  // \param raw_sign of each triangle, 0 without uv area \param vertices those that assess() will be called
+  // for
   CornerCones(const Mesh& mesh, std::span<const signed char> raw_sign, const VertexJoins& joins,
               const std::vector<bool>& vertices, double max_angle_deg);
 
-  // What is claimed, and the known cone that the tangent lies outside of, if any. For a tangent that is left
-  // open, or that lies within the cone of several charts together, it is the cone of its own chart.
+  // The claim, and the known cone that the tangent lies outside of, if any. For a tangent that is left open,
+  // or that lies within the joint cone of several charts, this is the cone of its own chart.
   struct Assessed {
     Claim claim;
     std::optional<Arc> left;
-    bool by_scale = false;  // beyond, but a scale may have taken an average there
+    bool by_scale = false;  // beyond, but a scale may have moved an average there
   };
-  // Of the tangent of v at corners in triangles of that sign.
+  // Assesses the tangent of v at its corners in triangles of that sign.
   Assessed assess(std::uint32_t v, int sign, double limit_deg);
-  // How far the tangent is outside of a cone, less what rounding did, in degrees; negative: inside.
+  // How far outside of a cone the tangent is, less the effect of rounding, in degrees; negative: inside.
   double outside_deg(std::uint32_t v, const Arc& cone) const;
 
   struct Direction {
     bool average, all_round;
   };
-  // As OwnDirections has them.
+  // The entry of OwnDirections.
   Direction direction(std::uint32_t v, int sign);
 
  private:
@@ -61,17 +62,17 @@ class CornerCones {
   struct Corners {
     std::vector<Corner>::const_iterator first, last;
   };
-  // What the triangles of one place and sign say in the plane of one normal.
+  // Directions of the triangles of one place and sign, in the plane of one normal.
   struct Directions {
     Vec3<double> x, y;        // the plane's axes
-    std::optional<Arc> cone;  // of their directions, from x to y; nothing: they have none
-    double widest = 0;        // half of the widest of them
-    double normals_turn = 0;  // from the normal to others of its triangles, the most
-    double lean_deg = 0;      // by which another projection may turn one of them, the most
+    std::optional<Arc> cone;  // of their directions, angles from x to y; none: no directions
+    double widest = 0;        // half of the widest arc of them
+    double normals_turn = 0;  // largest angle from the normal to others of its triangles
+    double lean_deg = 0;      // most by which another projection may turn a direction
     double pole_turn = 0;     // where an edge of the uvs is collapsed, half of the widest angle of a triangle
-    bool closed = false;      // the triangles go all round the vertex, and their charts go on
+    bool closed = false;      // the triangles go all round the vertex, and their charts continue
     bool flat = true;         // the triangles lie in one plane: pieces of one facet
-    bool uncertain = false;   // a triangle tells no direction, and may have drawn the tangent anywhere
+    bool uncertain = false;   // a triangle has no known direction, and may have drawn the tangent anywhere
     Corners at;               // the corners they are of
 
     // Whether neither directions nor normals turn, as on a flat face with its uvs laid flat.
@@ -112,14 +113,14 @@ class CornerCones {
   double max_angle_deg_;
   std::vector<Corner> corners_;
   std::vector<Edge> edges_;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> by_vertex_;  // groups and triangles, once asked for
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> by_vertex_;  // groups and triangles, on first use
   std::map<Key, Directions> kept_;
   Directions last_;
-  // Of the directions at hand: their plane, and what the triangles say so far.
+  // State while Directions are computed: their plane, and what was found so far.
   Vec3<double> x_{}, y_{}, n_{};
   std::vector<Arc> arcs_;
-  std::vector<Spoke> rim_;  // the edges at the vertex, twice each where the triangles go all round
-  std::vector<Spoke> fan_;  // the same, and those of other normals
+  std::vector<Spoke> rim_;  // the edges at the vertex; each twice where the triangles go all round
+  std::vector<Spoke> fan_;  // the same, and those with other normals
   bool uncertain_ = false;
   double lean_ = 0;
 };

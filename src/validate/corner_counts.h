@@ -1,4 +1,4 @@
-// What a validation counts of its corners, and how it says so.
+// Counts of corners in a validation, and the texts about them.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ struct Beyond {
   std::size_t counted() const { return by_surface + by_triangles; }
 };
 
-// The range of lengths that are not one.
+// The range of lengths that are not 1.
 class Lengths {
  public:
   void add(double length);
@@ -37,15 +37,15 @@ class Lengths {
   double least_ = std::numeric_limits<double>::infinity(), most_ = 0;
 };
 
-// Corners by what is found of them.
+// Corners by finding.
 struct CornerCounts {
   std::array<std::size_t, corner_errors> of_error{};
   Beyond tangents, normals, surface_tangents, surface_normals, authored_tangents, authored_normals,
       coarse_tangents, coarse_normals, chord_tangents, local_tangents, local_normals, poles;
   std::size_t leaning = 0, lit_otherwise = 0, departing = 0;
   Lengths tangent_lengths, normal_lengths;
-  // Of tangents that are not perpendicular to the normal: how far they lean, at most, and the corners where
-  // they are twice as near to the plane of their triangles.
+  // Tangents that are not perpendicular to the normal: the largest lean, and the corners where the tangent is
+  // twice as near to the plane of its triangles.
   double most_along_normal = 0;
   std::size_t in_plane = 0;
   std::vector<Vec3<double>> planes;  // of each vertex, once they are asked for

@@ -22,12 +22,12 @@ namespace darboux {
 namespace {
 
 constexpr std::size_t most_samples = 4096, least_samples = 10;
-// Normals of a map have no error of discretisation; eight unknowns fit a few of them whatever they are.
+// Normals under a linear map have no discretisation error, but eight unknowns would fit any few normals.
 constexpr std::size_t least_normals = 50;
 
 struct Pair {
-  std::size_t corner;            // or vertex, of normals
-  Vec3<double> stored, t, b, v;  // unit; b across t, on the side of v
+  std::size_t corner;            // or, for normals, vertex
+  Vec3<double> stored, t, b, v;  // unit; b perpendicular to t, on the side of v
   double w, raw;                 // raw: of the triangle, 0 without uv area
   double limit;                  // degrees
 };
@@ -64,8 +64,8 @@ double share_within(const std::vector<Pair>& samples, F direction) {
   return static_cast<double>(within) / static_cast<double>(samples.size());
 }
 
-// How the stored tangent lies to the reference's t and b, and for which uvs it would be right: with `keeps`
-// their triangles have the sign of the stored uvs' triangles, with `turns` the opposite one.
+// How the stored tangent lies relative to the reference's t and b, and which uvs would make it right: with
+// `keeps` their triangles have the sign of the stored uvs' triangles, with `turns` the opposite one.
 struct Axes {
   std::string_view what;
   double t, b;
@@ -75,8 +75,8 @@ constexpr Axes other_axes[] = {{"-t", -1, 0, "flip both", "flip u"},
                                {"b", 0, 1, "swap flip u", "swap"},
                                {"-b", 0, -1, "swap flip v", "swap flip both"}};
 
-// Three directions count as along v: the one across t, where tangents were turned or bitangents stored in
-// their place; the reference's own direction of v, where u and v were swapped; and MikkTSpace's tangent of
+// Three directions count as along v: the one perpendicular to t, if tangents were turned or bitangents stored
+// in their place; the reference's own direction of v, if u and v were swapped; and MikkTSpace's tangent of
 // swapped uvs, for coarse meshes.
 bool follow_other_axes(const MeshUnderTest& under_test, const std::vector<Pair>& samples,
                        const ValidateOptions& options, MeshReport& report) {
@@ -120,7 +120,7 @@ bool follow_other_uv_set(const MeshUnderTest& under_test, const std::vector<Pair
       return direction_of(mikktspace.at(s.corner, under_test.mesh.triangles[s.corner / 3][s.corner % 3]));
     });
   };
-  // A set may be a copy of the mesh's own.
+  // The other set may be a copy of the mesh's own.
   const double own = under_test.mikktspace.empty() ? 0 : share_of(under_test.mikktspace);
   for (const auto& [set, uvs] : options.other_uvs) {
     const double share = share_of(mikktspace_reference(under_test.mesh, uvs, options.threads));
@@ -132,7 +132,7 @@ bool follow_other_uv_set(const MeshUnderTest& under_test, const std::vector<Pair
   return false;
 }
 
-// By how many degrees nearly all are turned from the reference about their normals, by one angle.
+// The one angle, in degrees, by which nearly all tangents are turned from the reference about their normals.
 std::optional<double> turn_deg_of(const Mesh& mesh, const std::vector<Pair>& samples, double limit) {
   if (mesh.normals.empty() || samples.size() < least_samples) return std::nullopt;
   double x = 0, y = 0;
@@ -151,7 +151,7 @@ std::optional<double> turn_deg_of(const Mesh& mesh, const std::vector<Pair>& sam
   return turn * 180 / std::numbers::pi;
 }
 
-// One turn of all about their normals, from the reference or as Cones has it.
+// Whether all are turned by one angle about their normals, relative to the reference or as Cones found.
 bool are_turned(const MeshUnderTest& under_test, const std::vector<Pair>& samples, double limit,
                 MeshReport& report) {
   std::optional<Cones::Turn> turn;
@@ -161,7 +161,7 @@ bool are_turned(const MeshUnderTest& under_test, const std::vector<Pair>& sample
     turn = under_test.cones.turn();
   if (!turn) return false;
   const bool quarters = std::fabs(std::remainder(turn->deg, 90)) <= limit;
-  // Uvs that are turned turn tangents the other way in mirrored charts.
+  // Turned uvs turn the tangents of mirrored charts the other way.
   const auto has = [&](signed char sign) {
     return std::find(under_test.raw_sign.begin(), under_test.raw_sign.end(), sign) !=
            under_test.raw_sign.end();
@@ -225,8 +225,8 @@ std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, doubl
          (d == 3 && m.determinant() < 0 ? " and mirrors" : "");
 }
 
-// The rotation that takes the stored vectors nearest to the reference's, where it explains nearly all and
-// they span space. [Kabsch1976]
+// The rotation that takes the stored vectors nearest to the reference's, if it explains nearly all and they
+// span space. [Kabsch1976]
 std::optional<std::string> rotation_of(const std::vector<Pair>& samples) {
   Eigen::Matrix3d sum = Eigen::Matrix3d::Zero(), moments = Eigen::Matrix3d::Zero();
   for (const Pair& s : samples) {
@@ -245,8 +245,9 @@ std::optional<std::string> rotation_of(const std::vector<Pair>& samples) {
   return ": by a map that turns";
 }
 
-// Normals of the vertices all of whose triangles lie in one plane, and that plane's: of hard edges and facets
-// there is no other. Vertices with one place and one normal, as those along seams of uvs, are one.
+// Pairs of stored normal and plane normal for vertices whose triangles all lie in one plane: at hard edges
+// and on facets no other normal is right. Vertices with one place and one normal, as along uv seams, count as
+// one.
 std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limit) {
   const Mesh& mesh = under_test.mesh;
   const double same_plane = limit / 2;
@@ -385,7 +386,7 @@ std::vector<Pair> normals_of_neighbours(const MeshUnderTest& under_test, double 
   return samples;
 }
 
-// Whether more than a fifth of them are averages of their own triangles' normals: those follow the mesh.
+// Whether more than a fifth of the normals are averages of their own triangles': these follow the mesh.
 bool are_averages(const MeshUnderTest& under_test, const std::vector<Pair>& samples) {
   std::vector<bool> asked(under_test.mesh.positions.size(), false);
   for (const Pair& s : samples) asked[s.corner] = true;
@@ -402,7 +403,7 @@ bool are_off(const std::vector<Pair>& samples) {
          share_within(samples, [](const Pair& s) { return s.t; }) < Accurate::enough;
 }
 
-// \param map_limit of what a map with eight unknowns explains
+// \param map_limit how near a map with eight unknowns must bring them
 bool add_map(const MeshUnderTest& under_test, const std::vector<Pair>& samples, double map_limit,
              MeshReport& report) {
   std::optional<std::string> map = rotation_of(samples);

@@ -1,4 +1,4 @@
-// Diagnoses normals and tangents most of which are off: which single mistake explains all of them.
+// Diagnoses normals and tangents of which many are wrong: which single mistake explains them all?
 #pragma once
 
 #include <functional>
@@ -8,7 +8,7 @@
 
 namespace darboux {
 
-// Of corners: one cause is named that explains so many.
+// The share of corners that a cause must explain to be named.
 inline constexpr double explains_most = 0.9;
 
 // The directions of u and v that a reference gives a corner; NaN where it gives none.
@@ -16,20 +16,20 @@ struct Directions {
   Vec3<double> t, b;
 };
 
-// Compares the stored tangents with the reference's at some thousand corners, spread evenly over the mesh.
-// Where more than a fifth of them are off by more than the limit (three times that at seams, pole rings,
-// creases and borders), and one of these causes leaves no more than a tenth off, adds its finding.
-// TANGENT_UV_SET: MikkTSpace's tangents of another uv set. TANGENT_AXES: swapped or negated axes. All turned
-// about their normals by one angle, also where the cones alone say so: TANGENT_AXES for quarter turns, else
-// TANGENT_UV_SET. TANGENT_STALE: a linear map. \param held whether the mesh's own triangles hold most
-// tangents: only another uv set is then looked for. \returns whether it is one of these mistakes
+// Compares the stored tangents with the reference's at some thousand corners, spread evenly over the mesh. If
+// more than a fifth of them exceed the limit (three times that at seams, pole rings, creases and borders),
+// and one of these causes leaves no more than a tenth beyond it, adds its finding. TANGENT_UV_SET:
+// MikkTSpace's tangents of another uv set. TANGENT_AXES: swapped or negated axes. All turned about their
+// normals by one angle, also where the cones alone say so: TANGENT_AXES for quarter turns, else
+// TANGENT_UV_SET. TANGENT_STALE: a linear map. \param held whether most tangents lie in the cones of the
+// mesh's own triangles: then only another uv set is tried. \returns whether one of these mistakes was found
 bool diagnose_tangents(const MeshUnderTest& under_test,
                        const std::function<Directions(std::size_t corner)>& reference,
                        const ValidateOptions& options, bool held, MeshReport& report);
 
-// The same for normals that are off the surface: all oppose it while the winding does not, or NORMAL_STALE,
-// after a linear map. Where no surface is known, NORMAL_STALE against the planes of facets, else against the
-// neighbours.
+// The same for normals that differ from the surface's: all oppose it while the winding does not, or
+// NORMAL_STALE, after a linear map. Where no surface is known, NORMAL_STALE is found by the planes of facets,
+// else by the neighbours.
 bool diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
                       const ValidateOptions& options, MeshReport& report);
 

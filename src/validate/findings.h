@@ -1,4 +1,4 @@
-// All findings in one list: code, how severe, what it means and what to do.
+// All findings in one list: code, severity, meaning and what to do.
 #pragma once
 
 #include <optional>
@@ -64,7 +64,7 @@ enum class Code : std::size_t {
 };
 inline constexpr std::size_t corner_errors = 12;
 
-// The finding with its message, and more about this case after it.
+// The finding with its message, followed by `more` about this case.
 Finding finding(Code code, std::size_t count, const std::string& more = {});
 // The same where the evidence is too weak for an error.
 Finding warning(Code code, std::size_t count, const std::string& more = {});
@@ -72,10 +72,10 @@ Finding warning(Code code, std::size_t count, const std::string& more = {});
 inline Code code_of(const Finding& finding) {
   return static_cast<Code>(finding.kind);
 }
-// The code of a name like "TANGENT_ZERO", where there is one.
+// The code of a name like "TANGENT_ZERO", if there is one.
 std::optional<Code> code_named(std::string_view name);
 
-// Adds it behind all that are as severe; nothing where count is 0.
+// Adds the finding after all of the same or higher severity; adds nothing if its count is 0.
 void add(MeshReport& report, Finding finding);
 
 // A mesh or part of a file.
@@ -85,11 +85,11 @@ struct NamedReport {
 };
 
 // Adds HANDEDNESS_MIXED to the parts that follow another sign convention than most of the file, by corners.
-// Parts of which no one convention is known take no part, nor do those whose normals mostly oppose their
-// winding: by these w reads the other way round.
+// Parts without one known convention do not count, nor do those whose normals mostly oppose their winding:
+// there w has the opposite meaning.
 void compare_conventions(std::span<const NamedReport> parts);
 
-// Where nothing could judge it, and what it is a piece of passes.
+// For a report that nothing could judge, of a piece of something that passes.
 inline void pass_if_undetermined(MeshReport& report) {
   if (report.without_errors != Verdict::undetermined) return;
   report.without_errors = Verdict::pass;

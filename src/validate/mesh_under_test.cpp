@@ -24,8 +24,8 @@ const VertexJoins& joins_of(const MeshUnderTest& under_test, VertexJoins& of_par
 
 namespace {
 
-// Which vertices have triangles with area in uv, and which have such of both windings. Both halves of a quad
-// have the one that MikkTSpace gives them.
+// Finds the vertices that have triangles with uv area, and those that have such triangles of both windings.
+// Both halves of a quad have the winding that MikkTSpace gives them.
 void find_mirrors(MeshUnderTest& under_test) {
   const Mesh& mesh = under_test.mesh;
   const MikktspaceReference& mikktspace = under_test.mikktspace;
@@ -149,7 +149,7 @@ void append(const Mesh& other, Mesh& mesh) {
   mesh.half_steps = larger_of(mesh.half_steps, other.half_steps);
 }
 
-// MikkTSpace's of the mesh and of the triangles beside it, which it too may have been run over: whichever
+// MikkTSpace may have been run over the mesh alone, or over the triangles beside it too: the reference that
 // gives more of the mesh's stored tangents.
 MikktspaceReference reference_of_both(const Mesh& mesh, const MikktspaceReference& own, const Mesh& both,
                                       int threads) {
@@ -163,8 +163,8 @@ MikktspaceReference reference_of_both(const Mesh& mesh, const MikktspaceReferenc
   return {both, of_corner, own.faces()};
 }
 
-// The checks that need averages, over the triangles beside the mesh too. The classes stay those of the mesh:
-// at its border it says less.
+// Runs the checks that need averages over the triangles beside the mesh too. The classes stay those of the
+// mesh: less is claimed at its border.
 void check_with_those_beside(MeshUnderTest& under_test, const ValidateOptions& options) {
   const Mesh& mesh = under_test.mesh;
   Mesh both = mesh;
@@ -180,7 +180,7 @@ void check_with_those_beside(MeshUnderTest& under_test, const ValidateOptions& o
   std::iota(vertices.begin(), vertices.end(), 0U);
   std::iota(triangles.begin(), triangles.end(), 0U);
   MeshUnderTest own = restrict_to(extended, mesh, vertices, triangles, options.max_angle_deg);
-  // Where one is inside out and the other is not, each is judged alone.
+  // If one of the two is inside out and the other is not, the mesh is judged alone.
   if (own.normals.all_oppose == under_test.normals.all_oppose) under_test.normals = std::move(own.normals);
   under_test.cones = std::move(own.cones);
   under_test.mikktspace = std::move(own.mikktspace);

@@ -23,8 +23,8 @@ bool same_direction_bits(const Vec4<double>& stored, const Vec4<float>& m) {
   return bits(stored.x) == bits(m.x) && bits(stored.y) == bits(m.y) && bits(stored.z) == bits(m.z);
 }
 
-// Corners of a vertex to which MikkTSpace gives the same are compared once.
-// \param f (vertex, tangent, how many of its corners have that)
+// Calls f once for all corners of a vertex to which MikkTSpace gives the same tangent. \param f (vertex,
+// tangent, number of these corners)
 template <class F>
 void for_each_tangent(const MikktspaceReference& reference, std::span<const std::uint32_t> corners_of, F f) {
   std::vector<std::uint32_t> alike(corners_of.begin(), corners_of.end());
@@ -46,8 +46,8 @@ struct EqualBits {
   std::size_t more() const { return std::max(raw, gltf); }
 };
 
-// Which variant of MikkTSpace: the one that sorts all edges is run only where the original nearly gives what
-// is stored. \param near corners within a few roundings
+// Which variant of MikkTSpace made the tangents. The one that sorts all edges is run only if the original
+// nearly gives the stored tangents. \param near corners within a few roundings
 MikkVariant variant(const Mesh& mesh, MikktspaceFaces faces, std::span<const std::uint32_t> corners_of,
                     std::size_t equal, std::size_t near, int threads) {
   const std::size_t corners = mesh.corners();
@@ -67,7 +67,7 @@ MikkVariant variant(const Mesh& mesh, MikktspaceFaces faces, std::span<const std
                                : MikkVariant::none;
 }
 
-// Degrees from a tangent of MikkTSpace's, less what rounding did; negative where that is none.
+// Degrees from a tangent of MikkTSpace's, less the effect of rounding; negative if MikkTSpace gives none.
 double from_mikktspaces_deg(const Mesh& mesh, std::uint32_t v, const Vec4<float>& m) {
   if (m.w == 0) return -1;
   const Vec3<double>& n = mesh.normals[v];

@@ -1,4 +1,4 @@
-// The stored tangents of a mesh beside MikkTSpace's of its own positions, normals and uvs.
+// Compares the stored tangents of a mesh with MikkTSpace's of its own positions, normals and uvs.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace darboux {
 
 struct MikktspaceComparison {
   MikkReport report;
-  std::size_t beyond = 0;  // corners that are off by more than the limit, poles left out
+  std::size_t beyond = 0;  // corners beyond the limit, except poles
   double worst_deg = 0;    // of those
 };
 
@@ -25,21 +25,21 @@ MikktspaceComparison compare_with_mikktspace(const MeshUnderTest& under_test,
                                              std::span<const std::uint32_t> corners_of, bool raw,
                                              const ValidateOptions& options);
 
-// Of the stored tangent to m, MikkTSpace's, which there is: m.w != 0.
+// Angles from the stored tangent to m, MikkTSpace's, which must exist: m.w != 0.
 Angles angles_to_mikktspace(const Mesh& mesh, std::uint32_t v, const VertexChecks& checks,
                             const Vec4<float>& m, bool raw);
 
-// For each entry that is asked about, by vertex and sign of its triangles as signed_index() numbers them:
-// whether the stored tangent is within the limit of MikkTSpace's at a corner there, or MikkTSpace gives none
-// at any of these. The weight of a triangle that is edge-on to the normal is made by roundings, or is none,
-// though the triangle seems to tell a direction. \param mikktspace may be empty: all are false then
+// For each requested entry (vertex and sign of its triangles, numbered by signed_index()): whether the stored
+// tangent is within the limit of MikkTSpace's at one of these corners, or MikkTSpace gives none at any of
+// them. This matters for a triangle that is edge-on to the normal: it seems to have a direction, but its
+// weight is mere rounding, or zero. \param mikktspace may be empty: all are false then
 std::vector<bool> are_mikktspaces(const Mesh& mesh, std::span<const signed char> raw_sign,
                                   const MikktspaceReference& mikktspace, const std::vector<bool>& asked,
                                   std::span<const double> limit_deg);
 
-// Whether the positions may have been scaled since the tangents were made. Not if half of the tangents that a
-// scale would have moved, where a dpdu leans by 5 degrees or more from the plane of the normal, are
-// MikkTSpace's of the mesh as it is. \param mikktspace may be empty
+// Whether the positions may have been scaled since the tangents were made. A scale would have moved tangents
+// where a dpdu leans by 5 degrees or more from the plane of the normal: not if half of those are MikkTSpace's
+// of the mesh as it is. \param mikktspace may be empty
 bool may_be_scaled(const Mesh& mesh, std::span<const signed char> raw_sign,
                    const MikktspaceReference& mikktspace);
 

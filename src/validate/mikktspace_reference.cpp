@@ -102,8 +102,8 @@ MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<
     std::fill_n(&texcoords[2 * v], 2, 0.0f);
   }
   const auto whole = [&](const Triangle& t) { return finite[t[0]] && finite[t[1]] && finite[t[2]]; };
-  std::vector<std::uint32_t> corners, place(mesh.corners(), none);  // place: of the mesh's in `corners`
-  std::vector<std::uint8_t> sizes;                                  // none: triangles
+  std::vector<std::uint32_t> corners, place(mesh.corners(), none);  // place: index into corners
+  std::vector<std::uint8_t> sizes;                                  // empty: all are triangles
   corners.reserve(mesh.corners());
   const auto add_face = [&](const auto& face, std::size_t first, std::size_t triangles) {
     for (std::size_t t = first; t < first + triangles; ++t)
@@ -130,7 +130,7 @@ MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<
   mikktspace(MikkMesh{positions, normals, texcoords, corners, sizes},
              std::span<float>(&of_faces[0].x, 4 * corners.size()),
              {.sort_all_edges = sort_all_edges, .unserved_sign = 0, .threads = threads});
-  // Along the normal, or of numbers whose squares vanish, it is no direction.
+  // A result along the normal, or of components whose squares underflow, is no direction.
   for (Vec4<float>& t : of_faces)
     if (const float square = dot(t.xyz(), t.xyz()); !(square > 0.25f && square < 4)) t = {0, 0, 0, 0};
   for (std::size_t c = 0; c < result.size(); ++c)
@@ -139,7 +139,7 @@ MikktspaceReference mikktspace_reference(const Mesh& mesh, std::span<const Vec2<
 }
 
 std::size_t stored_corners(const Mesh& mesh, const MikktspaceReference& reference) {
-  constexpr double same = 1e-5;  // other orders of the same sums, in floats
+  constexpr double same = 1e-5;  // tolerance for other orders of the same sums, in floats
   std::size_t result = 0;
   for (std::size_t c = 0; c < mesh.corners(); ++c) {
     const std::uint32_t v = mesh.triangles[c / 3][c % 3];

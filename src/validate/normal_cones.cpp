@@ -21,9 +21,9 @@ namespace {
 
 using Normals = std::vector<Vec3<double>>;
 
-constexpr double average_deg = 1;   // from a common average of triangles' normals
+constexpr double average_deg = 1;   // from an average by a usual weighting
 constexpr double tolerance = 1e-3;  // the sine of how far outside the cone rounding may leave a normal
-// All triples of normals are tried: where many meet at a tip, only those of normals that are apart.
+// All triples of normals are tried. Where many meet at a tip, only normals that are apart are used.
 constexpr std::size_t many = 40, most_normals = 100;
 // Cosines: of 0.08 degrees, of 5 degrees, and 0.8 degrees from -1.
 constexpr double alike = 1 - 1e-6, near = 0.9962, opposite = -1 + 1e-4;
@@ -46,7 +46,7 @@ bool is_in_cone(const Vec3<double>& n, const Vec3<double>& a, const Vec3<double>
 }
 
 // By Caratheodory's theorem a direction in a cone lies in the cone of three of those that span it, or on the
-// arc of two. For a sheet with a back the cone is everything, and tells nothing.
+// arc of two. For a sheet with a back the cone is the whole sphere and proves nothing, so the answer is no.
 bool is_in_cone(const Vec3<double>& n, const Normals& of) {
   for (std::size_t i = 0; i < of.size(); ++i)
     for (std::size_t j = i + 1; j < of.size(); ++j)
@@ -60,17 +60,17 @@ bool is_in_cone(const Vec3<double>& n, const Normals& of) {
   return false;
 }
 
-// Whether the normals of vertices that are asked about lie in the cone of their own triangles' normals:
-// whether they are averages of these with positive weights of any kind. Blender averages the normals of
-// quads, which no weights of the triangles at a corner give: a quad's own normal counts at its four corners.
-// At sharp ridges an average may be far from each of the triangles; a normal that was turned is no average.
+// Whether the normals of requested vertices lie in the cone of their own triangles' normals, that is, are
+// averages of these with any positive weights. Blender averages the normals of quads, which are no weighted
+// average over the triangles at a corner, so a quad's own normal counts at its four corners. At sharp ridges
+// an average may be far from each of the triangles; a normal that was turned is no average.
 std::vector<bool> lie_in_normal_cones(const Mesh& mesh, const VertexJoins& joins,
                                       const std::vector<bool>& vertices) {
   struct Group {
     Normals normals{};
     std::optional<bool> between{};
   };
-  std::map<std::uint32_t, Group> groups;  // by what joins vertices of one place and normal
+  std::map<std::uint32_t, Group> groups;  // by the join of vertices of one place and normal
   for (std::uint32_t v = 0; v < vertices.size(); ++v)
     if (vertices[v]) groups[joins.position_and_normal[v]];
   const auto add = [&](std::uint32_t v, const Vec3<double>& plane) {
@@ -111,7 +111,7 @@ std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins
   const std::size_t n = mesh.positions.size();
   constexpr std::uint32_t none = ~0U;
   std::vector<std::uint32_t> sum_of_group(n, none);
-  using Sums = std::array<Vec3<double>, 5>;  // each alike, by area, by angle, by both, and as [Max1999] does
+  using Sums = std::array<Vec3<double>, 5>;  // equal weights, area, angle, both, and [Max1999]
   std::vector<Sums> sums;
   for (std::uint32_t v = 0; v < n; ++v)
     if (std::uint32_t& sum = sum_of_group[joins.position_and_normal[v]]; vertices[v] && sum == none) {

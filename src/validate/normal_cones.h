@@ -10,10 +10,10 @@
 
 namespace darboux {
 
-// Whether the normals of vertices that are asked about are averages of their own triangles' normals: with any
-// positive weights, or within a degree of each alike, by area, by angle, by both, or by sin(angle)/(|e1|
-// |e2|) as [Max1999]. \param within_deg what to allow instead of that degree, per vertex, besides the cone;
-// empty: a degree
+// Whether the normals of requested vertices are averages of their own triangles' normals: with any positive
+// weights, or within a degree of an average by a usual weighting: equal weights, area, angle, both, or
+// sin(angle)/(|e1| |e2|) as in [Max1999]. \param within_deg the limit per vertex in place of that degree; the
+// cone is tested in any case; empty: a degree
 std::vector<bool> are_average_normals(const Mesh& mesh, const VertexJoins& joins,
                                       const std::vector<bool>& vertices,
                                       std::span<const double> within_deg = {});

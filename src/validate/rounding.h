@@ -1,4 +1,4 @@
-// What rounding of the stored numbers allows.
+// How far rounding of the stored numbers may have moved things.
 #pragma once
 
 #include <array>
@@ -23,20 +23,20 @@ inline double tangent_rounding(const Mesh& mesh, std::uint32_t v) {
   return std::numbers::sqrt3 * half_step(mesh.half_steps.tangent, 1) / norm(mesh.tangents[v].xyz());
 }
 
-// The sign of the uv area; 0 where rounding of the uvs leaves it open. \param half_step of the uvs
+// The sign of the uv area; 0 if rounding of the uvs may have changed it. \param half_step of the uvs
 inline int certain_sign(const std::array<Vec2<double>, 3>& uv, double half_step) {
   const Vec2<double> a = uv[1] - uv[0], b = uv[2] - uv[0];
   const auto error = [&](double sizes) {
     return 2 * std::numbers::sqrt2 * half_step * sizes + 8 * half_step * half_step;
   };
-  // Of nearly all triangles plain arithmetic tells.
+  // Plain arithmetic decides for nearly all triangles.
   const double plain = a.x * b.y - a.y * b.x;
   if (std::fabs(plain) > 2 * error(std::fabs(a.x) + std::fabs(a.y) + std::fabs(b.x) + std::fabs(b.y)))
     return plain > 0 ? 1 : -1;
   const double area = signed_uv_area2(uv[0], uv[1], uv[2]);
   return std::fabs(area) <= error(std::hypot(a.x, a.y) + std::hypot(b.x, b.y)) ? 0 : area > 0 ? 1 : -1;
 }
-// \param of_file the half step of its uvs, or 0: only single precision is counted
+// \param of_file the half step of the file's uvs; 0: only single precision counts
 inline int certain_sign(const Mesh& mesh, const Triangle& t, double of_file) {
   const std::array<Vec2<double>, 3> uv{mesh.uvs[t[0]], mesh.uvs[t[1]], mesh.uvs[t[2]]};
   return certain_sign(uv, half_step(of_file, largest_coordinate(uv)));

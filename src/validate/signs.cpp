@@ -99,7 +99,7 @@ Handedness Signs::handedness() const {
 }
 
 std::size_t Signs::in_opposite_islands() const {
-  constexpr std::size_t fewest = 12;  // two quads: what is smaller may be one sliver
+  constexpr std::size_t fewest = 12;  // two quads; a smaller island may be one sliver
   std::size_t result = 0;
   for (const SignCount& island : islands_) {
     const std::size_t with = raw() ? island.raw : island.gltf, against = raw() ? island.gltf : island.raw;

@@ -1,4 +1,4 @@
-// Which sign convention the stored w follow.
+// Which sign convention the stored w follows.
 #pragma once
 
 #include <cstddef>
@@ -29,15 +29,15 @@ class Signs {
   // Whether the corner of v in triangle t has another sign than its island.
   bool wrong(std::uint32_t t, std::uint32_t v) const;
   Handedness handedness() const;
-  // Corners of the islands that have the sign against the mesh's convention throughout.
+  // The number of corners in islands whose corners all have the sign against the mesh's convention.
   std::size_t in_opposite_islands() const;
-  // How many islands have which sign.
+  // A text: how many islands have which sign.
   std::string islands_text() const;
 
  private:
   void count();
   // Triangles do not count if they have no area in space, or none in uv beyond single-precision rounding:
-  // nothing is seen of them.
+  // they are not visible.
   bool counts(std::uint32_t t) const;
   bool counts(std::uint32_t t, std::uint32_t v) const;
   // Whether the normal is at most 80 degrees from the triangle.

@@ -7,7 +7,7 @@
 namespace darboux {
 namespace {
 
-// Of a direction that speaks for a tangent: three still tell half a right angle.
+// Of a direction that may excuse a tangent: three of these are still half a right angle.
 constexpr double most_deviation_deg = 15;
 
 }  // namespace

@@ -26,11 +26,11 @@ namespace {
 constexpr double faceted_deg = 0.1;
 constexpr double most_against = 0.99;
 
-// The plane of a triangle with area, and by how much rounding of its positions may turn it.
+// The plane of a triangle with area, and how much rounding of its positions may turn it.
 struct Plane {
   Vec3<double> normal;  // unit
-  double uncertain;     // the sine of that angle; 1: it is not known
-  bool vanishes;  // its area is no thousandth of what rounding makes: corners meant to coincide, or on a line
+  double uncertain;     // the sine of that angle; 1: the plane is unknown
+  bool vanishes;        // area below a thousandth of its rounding: corners meant to coincide, or on a line
 };
 
 class Planes {
@@ -58,10 +58,10 @@ class Planes {
   double scale_;
 };
 
-// Keeps the candidates that have a neighbour in another plane, with other normals at the edge they share.
+// Keeps the candidates that have a neighbour in another plane with other normals at their common edge.
 void keep_faceted(const Mesh& mesh, const std::vector<bool>& has_area, const VertexJoins& joins,
                   const Planes& planes, std::vector<bool>& candidates) {
-  // Only what touches a candidate is looked at.
+  // Only triangles that touch a candidate matter.
   std::vector<bool> near(mesh.positions.size(), false);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
     if (candidates[t])
@@ -99,12 +99,12 @@ void keep_faceted(const Mesh& mesh, const std::vector<bool>& has_area, const Ver
   candidates = std::move(result);
 }
 
-// Triangles that lie on another's back: at the same places, wound the other way.
+// Triangles that lie on the back of another: at the same places, wound the other way.
 std::vector<bool> backs_of_sheets(const Mesh& mesh, const std::vector<bool>& has_area,
                                   const std::vector<std::uint32_t>& place) {
   struct Places {
     Triangle sorted;
-    bool odd;  // how they were in the triangle
+    bool odd;  // whether sorting the places was an odd permutation
     std::uint32_t triangle;
     auto operator<=>(const Places&) const = default;
   };
@@ -126,9 +126,10 @@ std::vector<bool> backs_of_sheets(const Mesh& mesh, const std::vector<bool>& has
   return result;
 }
 
-// Vertices at the borders of sheets that lie back to back, which have no border of their own: at edges that
-// have one triangle, not counting those on another's back, or two that are folded onto each other, halves of
-// one quad that is cut along both diagonals. Larger polygons that are cut in two ways are not found.
+// Vertices at the borders of sheets that lie back to back and thus have no open edges. They lie on edges that
+// have one triangle, not counting triangles on the back of another. Or the edge has two triangles that are
+// folded onto each other, halves of a quad that is cut along one diagonal in front and along the other
+// behind. Larger polygons that are cut in two ways are not found.
 std::vector<bool> borders_of_sheets(const Mesh& mesh, const std::vector<bool>& has_area, const Planes& planes,
                                     const std::vector<std::uint32_t>& place) {
   static const double folded = -std::cos(15 / degrees_per_radian);
@@ -161,7 +162,7 @@ std::vector<bool> borders_of_sheets(const Mesh& mesh, const std::vector<bool>& h
              return std::binary_search(triangles.begin(), triangles.end(), sorted({a.third, b.third, end}));
            });
   };
-  // A mesh without backs has borders of its own.
+  // A mesh without backs has open edges at its borders.
   const bool any_back = std::find(back.begin(), back.end(), true) != back.end();
   for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
     while (end < edges.size() && edges[end].ends == edges[i].ends) ++end;
@@ -172,14 +173,14 @@ std::vector<bool> borders_of_sheets(const Mesh& mesh, const std::vector<bool>& h
   return result;
 }
 
-// Triangles with vertices asked about that belong to a shell turned inside out around the same mesh, as toon
+// Triangles with requested vertices that belong to a shell turned inside out around the same mesh, as toon
 // outlines do. They oppose their normals, and near each is a triangle that does not, with the same normals
-// and uvs in the opposite order. On the whole they lie outside these, or coincide with them: an inner wall
-// does not, nor does a copy that was moved.
+// and uvs in the opposite order. As a whole they lie outside these, or coincide with them; an inner wall does
+// not, nor does a moved copy.
 std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& has_area,
                                    const std::vector<bool>& opposes, const std::vector<bool>& asked) {
   constexpr double near = 0.1;  // of the mesh's size
-  // Of the longest edge, where the three normals are equal: the next tile of a floor is farther away.
+  // Of the longest edge, if the three normals are equal: the next tile of a floor is farther away.
   constexpr double near_flat = 0.5;
   constexpr std::ptrdiff_t most_tried = 1024;
   constexpr double outwards = 0.1;       // of the way from one to the other, on average
@@ -190,7 +191,7 @@ std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& ha
     std::uint32_t triangle;
     double along;  // of its first vertex, in a direction that few meshes have
   };
-  // From the least of its corners on. \param reversed the other way round
+  // Corners in order, starting with the least. \param reversed in the opposite order
   const auto oriented = [&](std::uint32_t t, bool reversed) {
     Triangle vertices = mesh.triangles[t];
     if (reversed) std::swap(vertices[1], vertices[2]);
@@ -208,7 +209,7 @@ std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& ha
     least.along = dot(mesh.positions[least.vertices[0]], Vec3<double>{0.36, 0.48, 0.8});
     return least;
   };
-  // Whether its numbers have an order.
+  // Whether its numbers can be ordered.
   const auto is_finite = [&](std::uint32_t t) {
     return std::all_of(mesh.triangles[t].begin(), mesh.triangles[t].end(), [&](std::uint32_t v) {
       return detail::finite(mesh.normals[v]) && (mesh.uvs.empty() || detail::finite(mesh.uvs[v]));
@@ -239,7 +240,7 @@ std::vector<bool> insides_of_hulls(const Mesh& mesh, const std::vector<bool>& ha
     const bool flat = mesh.normals[a] == mesh.normals[b] && mesh.normals[b] == mesh.normals[c];
     return flat ? std::fmin(near * size, near_flat * edge) : near * size;
   };
-  double away = 0, outside_by = 0;  // of all that are found, in sum
+  double away = 0, outside_by = 0;  // sums over all that are found
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!has_area[t] || opposes[t] || !is_finite(t)) continue;
     const Oriented outside = oriented(t, false);
@@ -272,8 +273,8 @@ bool has_any(const std::vector<bool>& list) {
   return std::find(list.begin(), list.end(), true) != list.end();
 }
 
-// NormalChecks::side. \param agreeing at the first vertex of each position and normal: triangles on its side,
-// less the others \param agrees vertices whose normals a triangle supports for certain
+// NormalChecks::side. \param agreeing at the first vertex of each position and normal: triangles on its side
+// minus the others \param agrees vertices whose normals a triangle certainly supports
 std::vector<signed char> sides_of(const VertexJoins& joins, const std::vector<std::int32_t>& agreeing,
                                   std::vector<bool> agrees) {
   const std::vector<std::uint32_t>& group = joins.position_and_normal;
@@ -285,15 +286,15 @@ std::vector<signed char> sides_of(const VertexJoins& joins, const std::vector<st
   return side;
 }
 
-// What holds of a vertex holds of all of its position and normal.
+// Sets a flag for all vertices of one position and normal if it is set for any.
 void share(const VertexJoins& joins, std::vector<bool>& of) {
   for (std::uint32_t v = 0; v < of.size(); ++v)
     if (of[v]) of[joins.position_and_normal[v]] = true;
   for (std::uint32_t v = 0; v < of.size(); ++v) of[v] = of[joins.position_and_normal[v]];
 }
 
-// Normals that are asked about, near no triangle that shares them, and no common average of these: at sharp
-// edges and tips no average is nearer.
+// Requested normals that are near no triangle that shares them, and no usual average of these: at sharp edges
+// and tips no average is nearer.
 std::vector<bool> far_from_all(const Mesh& mesh, const VertexJoins& joins, const std::vector<bool>& asked,
                                const std::vector<bool>& near) {
   std::vector<bool> result(asked.size(), false);
@@ -306,7 +307,7 @@ std::vector<bool> far_from_all(const Mesh& mesh, const VertexJoins& joins, const
 }
 
 // NormalChecks::unsupported. \param opposes triangles that oppose all their normals \param asked vertices of
-// triangles with area whose normals have a direction \param supported those by a triangle of their own
+// triangles with area whose normals have a direction \param supported those whose own triangle supports them
 std::vector<bool> unsupported_normals(const Mesh& mesh, const std::vector<bool>& has_area,
                                       const VertexJoins& joins, const std::vector<bool>& opposes,
                                       const std::vector<bool>& asked, const std::vector<bool>& supported) {
@@ -402,8 +403,8 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
     if (!has_area[t]) continue;
     const Plane plane = planes(t);
     int opposing = 0;
-    // How far from the plane's normal a normal may be to count as its own. The cosine's square is then no
-    // less than 1 - own², and nearly always that decides.
+    // The sine of the largest angle at which a normal counts as the plane's own. The squared cosine is then
+    // at least 1 - own², and nearly always that decides.
     const double own = std::min(faceted_deg / degrees_per_radian + plane.uncertain + rounding, 1.0);
     bool candidate = plane.uncertain < 1;
     for (const std::uint32_t v : mesh.triangles[t]) {

@@ -15,11 +15,11 @@
 namespace darboux {
 namespace {
 
-// Between normals at the ends of an edge. Spheres of twelve segments turn by 30 degrees, cards in a crown
-// by 45.
+// Limit of the angle between normals at the ends of an edge. Normals turn by 30 degrees on spheres of twelve
+// segments, by 45 on cards in a crown.
 constexpr double smooth = 60 / degrees_per_radian;
 
-// What is known of a connected piece, whose vertices are places.
+// A connected piece; its vertices are places.
 struct Piece {
   bool asked = false;
   std::size_t places = 0, at_border = 0, edges = 0, negated = 0;
@@ -55,8 +55,8 @@ std::vector<bool> may_be_transferred(const Mesh& mesh, const std::vector<bool>& 
     if (sheet_border[v]) border[place[v]] = true;
   }
 
-  // Each edge as often as it has triangles, of the pieces that are asked about; and per place the sums of its
-  // triangles' areas and of the normals at their corners.
+  // Each edge of the requested pieces, once per triangle; and per place the sums of its triangles' areas and
+  // of the normals at their corners.
   struct Edge {
     std::array<std::uint32_t, 2> places;  // sorted
     std::array<std::uint32_t, 2> vertices;
@@ -77,7 +77,7 @@ std::vector<bool> may_be_transferred(const Mesh& mesh, const std::vector<bool>& 
     }
   }
   std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.places < b.places; });
-  DisjointSets regions(n);  // of places that are asked about
+  DisjointSets regions(n);  // of requested places
   for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
     while (end < edges.size() && edges[end].places == edges[i].places) ++end;
     const auto [a, b] = edges[i].places;
@@ -94,7 +94,7 @@ std::vector<bool> may_be_transferred(const Mesh& mesh, const std::vector<bool>& 
     const bool jumps = angle(mesh.normals[a], mesh.normals[b]) > smooth;
     for (const std::uint32_t v : edge.vertices) {
       const std::uint32_t p = place[v];
-      // At one place, half of it to the mean.
+      // Normals at one place: half of that limit, measured to their mean.
       if (asked[p] && (jumps || angle(mesh.normals[v], normal[p]) > smooth / 2))
         rough[regions.find(p)] = true;
       if (counted[p]) continue;
@@ -102,7 +102,7 @@ std::vector<bool> may_be_transferred(const Mesh& mesh, const std::vector<bool>& 
       Piece& of = piece[piece_of[p]];
       ++of.places;
       of.at_border += border[p] ? 1 : 0;
-      constexpr double near = 15 / degrees_per_radian;  // any average is as near as this on smooth surfaces
+      constexpr double near = 15 / degrees_per_radian;  // on smooth surfaces any average is this near
       of.negated += angle(-normal[p], plane[p]) < near ? 1 : 0;
     }
   }

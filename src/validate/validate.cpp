@@ -25,8 +25,8 @@
 namespace darboux {
 namespace {
 
-constexpr double expected_agreement = 0.8;  // of two references; their error bars cover less on coarse meshes
-constexpr double agree_within = 0.1;        // of the limit: two references that differ by less are the same
+constexpr double expected_agreement = 0.8;  // of two references; error bars cover less if coarse
+constexpr double agree_within = 0.1;        // of the limit: references that differ by less agree
 constexpr auto no_code = static_cast<Code>(corner_errors);
 
 // Angles are negative where there is nothing to compare.
@@ -34,7 +34,7 @@ float kept(double angle) {
   return angle < 0 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(angle);
 }
 
-// Whether two references are the same as far as either is known.
+// Whether two references agree within what is known of them.
 DARBOUX_FLATTEN bool agree(const Truth& a, const Truth& b, double floor_deg) {
   const auto within = [&](double angle, double one, double other) {
     return degrees_per_radian * angle <= certain * std::hypot(one, other) + floor_deg;
@@ -49,15 +49,15 @@ bool known(const Truth& t) {
          std::isfinite(t.tangent_deg);
 }
 
-// Corners of one vertex that are assessed alike.
+// Corners of one vertex with the same assessment.
 struct CornerGroup {
   std::uint32_t vertex;
   std::int8_t sign;  // of their triangles, 0 without uv area
-  bool wrong_sign;   // another w than their island
+  bool wrong_sign;   // w differs from their island's
   std::uint32_t corners;
 };
 
-// The validation of one mesh: its data, and what is found along the way.
+// The validation of one mesh: its data and intermediate results.
 class MeshValidation {
  public:
   MeshValidation(const MeshUnderTest& under_test, std::span<const Truth> truth, Basis basis,
@@ -108,7 +108,8 @@ class MeshValidation {
     return darboux::limit_of(classes_.of_vertex[v], options_.max_angle_deg);
   }
   bool is_pole(std::uint32_t v) const { return classes_.of_vertex[v] == VertexClass::pole; }
-  // Where a recognised surface ends, people blend its normals into what comes next, and tangents follow.
+  // Where a recognised surface ends, people blend its normals into the adjoining surface, and tangents
+  // follow.
   bool may_be_authored(std::uint32_t v) const { return !authored_.empty() && authored_[v]; }
   std::string worst_text(double worst, const std::string& more = {}) const {
     return (worst > 0 ? " (worst " + rounded(worst, 4) + " deg, limit " : std::string(" (limit ")) +
@@ -118,13 +119,13 @@ class MeshValidation {
   std::span<const Truth> statistics_truth() const {
     return accurate_.known() ? accurate_.truths() : std::span<const Truth>(under_test_.local);
   }
-  // What the statistics are of: angles to the surface, else to the neighbours.
+  // The angles for the statistics: to the surface, else to the neighbours.
   Angles statistics_angles(std::uint32_t v) const {
     if (corners_of_[v] == 0) return {};
     if (accurate_.known()) return accurate_.angles(v);
     return smooth_.known() ? smooth_.angles[v] : Angles{};
   }
-  // \param angles_at of a vertex
+  // \param angles_at returns the angles of a vertex
   template <class AnglesAt>
   std::vector<ClassReport> class_reports(std::span<const Truth> truth, const AnglesAt& angles_at) const {
     ClassSums sums(mesh_, classes_.of_vertex);
@@ -178,14 +179,14 @@ class MeshValidation {
   const MeshClasses& classes_;
   const ValidateOptions& options_;
   std::vector<VertexChecks> checks_;
-  std::vector<std::uint32_t> corners_of_;  // how many each vertex has
+  std::vector<std::uint32_t> corners_of_;  // number of corners per vertex
   Signs signs_;
   Accurate accurate_;
   std::vector<bool> authored_;  // of a recognised surface
   Averages averages_;
   Smooth smooth_;
   bool tangents_diagnosed_ = false, normals_diagnosed_ = false;
-  // Corners: decided by the surface; compared with it and open; decided by the neighbours.
+  // Numbers of corners: decided by the surface; compared with it but undecided; decided by the neighbours.
   std::size_t decided_ = 0, undecided_ = 0, locally_ = 0;
   MeshReport report_;
 };
@@ -204,11 +205,11 @@ void MeshValidation::compare() {
     for (const std::uint32_t v : triangle) report_.errors_deg.push_back(of_vertex[v]);
 }
 
-// Nearly all corners of a vertex are alike: the others are listed.
+// Nearly all corners of a vertex are alike; the others are listed.
 template <class F>
 void MeshValidation::for_each_corner_group(F f) const {
   std::vector<CornerGroup> others;
-  std::vector<std::int8_t> first(mesh_.positions.size(), -1);  // what a corner is, as a number
+  std::vector<std::int8_t> first(mesh_.positions.size(), -1);  // the properties of a corner, as a number
   std::vector<std::uint32_t> alike = corners_of_;
   for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t)
     for (const std::uint32_t v : mesh_.triangles[t]) {
@@ -226,7 +227,7 @@ void MeshValidation::for_each_corner_group(F f) const {
   for (const CornerGroup& group : others) f(group);
 }
 
-// Who says that the tangent is an error.
+// Which reference, if any, makes the tangent an error.
 MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) const {
   const std::uint32_t v = group.vertex;
   if (is_pole(v) || !checks_[v].uv_finite) return Decider::nobody;
@@ -246,7 +247,7 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
   return beyond(sign) ? Decider::triangles : Decider::nobody;
 }
 
-// One mistake of all tangents, or one turn, is not due to coarse triangles.
+// A mistake or turn that all tangents share is not due to coarse triangles.
 bool MeshValidation::may_be_exact(std::uint32_t v) const {
   return smooth_.known() && smooth_.may_be_exact[v] && !tangents_diagnosed_ && !under_test_.cones.turn();
 }
@@ -287,7 +288,7 @@ Code MeshValidation::error_of(const CornerGroup& group) const {
   return no_code;
 }
 
-// What counts whatever the verdict.
+// Counts what does not depend on the verdict.
 void MeshValidation::count_vertex(std::uint32_t v) {
   const std::uint32_t corners = corners_of_[v];
   const VertexChecks& c = checks_[v];
@@ -378,7 +379,7 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Corner
   if (is_pole(v) && surface.tangent > limit_of(v)) warn(counts.poles, surface.tangent);
   if (checks_[v].leans && !is_unseen(v)) counts.leaning += group.corners;
   if (is_unsupported(v) && may_be_lit_otherwise(v)) counts.lit_otherwise += group.corners;
-  // At a border exact normals of coarse sheets are as far.
+  // At a border, exact normals of coarse sheets may be as far.
   const bool is_told = accurate_.known() || classes_.of_vertex[v] == VertexClass::border ||
                        (smooth_.known() && smooth_.normals[v] != Claim::none);
   if (!is_told && !mesh_.normals.empty() && under_test_.normals.departing[v])
@@ -397,7 +398,7 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Corner
   if (error == no_code && !accurate_.known() && !under_test_.cones.empty() &&
       under_test_.cones.claim(v, group.sign) == Claim::beyond)
     warn(counts.chord_tangents, under_test_.cones.outside_deg(v, group.sign));
-  // A polynomial does not see that uvs fold, as octahedral ones do.
+  // A polynomial does not see folds of uvs, as octahedral uvs have.
   const bool is_average =
       !under_test_.cones.empty() && under_test_.cones.claim(v, group.sign) == Claim::within;
   if (error == no_code && smooth_.tangents[v] == Claim::beyond && !is_average &&
@@ -408,7 +409,7 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Corner
     warn(counts.local_normals, smooth_.angles[v].normal);
 }
 
-// Who says so, and where the rest of what is beyond the limit is counted.
+// Adds errors with the reference that decided, and says where other corners beyond the limit are counted.
 void MeshValidation::add_errors(const CornerCounts& counts) {
   const auto text = [&](const Beyond& b, const char* by_triangles) {
     std::string more;
@@ -418,7 +419,7 @@ void MeshValidation::add_errors(const CornerCounts& counts) {
       more += "; " + std::to_string(b.in_all) + " in all, of which " +
               std::to_string(b.in_all - b.counted()) +
               " have an error that comes before this one and count there";
-    // The limits have no part in what the triangles' planes alone decide.
+    // The limit does not matter for what the triangles' planes alone decide.
     return &b == &counts.normals && b.by_surface == 0 && !more.empty() ? " (" + more.substr(2) + ")"
                                                                        : worst_text(b.worst, more);
   };
@@ -484,7 +485,7 @@ void MeshValidation::add_warnings(const CornerCounts& counts) {
                        " (worst " + rounded(counts.poles.worst, 4) + " deg)"));
 }
 
-// Where there is nothing that statistics are of.
+// For meshes without angles for the statistics.
 void MeshValidation::keep_errors_by_triangles() {
   for (std::size_t c = 0; c < report_.errors_deg.size(); ++c) {
     if (!std::isnan(report_.errors_deg[c])) continue;
@@ -542,7 +543,7 @@ void MeshValidation::compare_with_mikktspace() {
 void MeshValidation::look_at_signs() {
   if (mesh_.tangents.empty()) return;
   const HandednessConvention convention = report_.handedness.convention;
-  // Where all normals oppose the winding w reads the other way round: which of the three is wrong is open.
+  // Where all normals oppose the winding, w has the opposite meaning: normals, winding or w may be wrong.
   if (!under_test_.normals.all_oppose) {
     if (convention == HandednessConvention::raw && options_.sign == SignConvention::gltf)
       add(report_,
@@ -570,7 +571,7 @@ void MeshValidation::diagnose() {
   const double near = 0.99 * std::sin(std::fmin(options_.max_angle_deg, 90) / degrees_per_radian);
   for (std::uint32_t v = 0; v < truth.size(); ++v) {
     const Vec3<double>&t = truth[v].tangent, &b = truth[v].bitangent;
-    // For nearly all of them the cosine shows that they are near a right angle.
+    // For nearly all of them the cosine shows quickly that the angle is near 90 degrees.
     if (dot(t, b) * dot(t, b) < near * near * dot(t, t) * dot(b, b)) continue;
     if (is_pole(v) || !known(truth[v])) continue;
     const double off = std::fabs(90 - degrees_per_radian * angle_between(t, b));
@@ -579,9 +580,9 @@ void MeshValidation::diagnose() {
     most = std::fmax(most, off);
   }
   add(report_, finding(Code::bitangent_not_orthogonal, oblique, " (by up to " + rounded(most, 3) + " deg)"));
-  // The mesh's own triangles say whether there is anything to diagnose: without a surface, by any tangent
-  // that is not theirs; where one was recognised and they hold most tangents, its chart is not the mesh's,
-  // and only another uv set may explain them better.
+  // The mesh's own triangles say whether there is anything to diagnose. Without a surface: any tangent
+  // outside their cones. If a surface was recognised and their cones hold most tangents, its chart is not the
+  // mesh's, and only another uv set may explain the tangents better.
   bool held = false;
   if (!accurate_.declared() && !under_test_.cones.empty()) {
     std::size_t within = 0, beyond = 0;
@@ -606,7 +607,7 @@ void MeshValidation::diagnose() {
     const Truth& t = truth[mesh_.triangles[c / 3][c % 3]];
     return Directions{t.tangent, t.bitangent};
   };
-  // MikkTSpace's tangents of the same triangles are more certain than what their neighbours tell.
+  // MikkTSpace's tangents of the same triangles are more certain than estimates from neighbours.
   const bool known_tangents =
       accurate_.known() &&
       std::any_of(truth.begin(), truth.end(), [](const Truth& t) { return std::isfinite(t.tangent_deg); });
@@ -616,7 +617,7 @@ void MeshValidation::diagnose() {
     tangents_diagnosed_ = diagnose_tangents(under_test_, known_truth, options_, held, report_);
 }
 
-// Where triangles have no uv area nobody sees a tangent, and there is nothing to be wrong.
+// Without uv area a tangent has no visible effect, so none can be wrong.
 bool MeshValidation::lacks_uv_area() const {
   const auto any = [](const std::vector<bool>& of) {
     return std::find(of.begin(), of.end(), true) != of.end();

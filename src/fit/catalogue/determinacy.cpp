@@ -13,8 +13,8 @@
 namespace darboux::fit::catalogue {
 namespace {
 
-// The name of what points over the whole patch would identify but these points do not; empty where there is
-// nothing. Symmetries, and lengths that only bound the patch, do not count.
+// The name of a parameter that points over the whole patch would identify but these points do not; empty if
+// there is none. Symmetries, and lengths that only bound the patch, do not count.
 std::string unidentifiable_parameter(const Shape& shape, const ReducedNormalEquations& known,
                                      const Eigen::VectorXd& units, double size) {
   constexpr int grid = 17;
@@ -53,8 +53,8 @@ Eigen::MatrixXd unidentifiable_directions(const ReducedNormalEquations& known) {
   return result;
 }
 
-// Directions in which the parameters are not identifiable, whatever the motion: each parameter alone, then
-// what is left if it is only one direction.
+// Directions in which the parameters are not identifiable, whatever the motion: single parameters first, then
+// the rest if it is only one direction.
 std::vector<Eigen::VectorXd> unidentifiable_parameters(const ReducedNormalEquations& known) {
   const Eigen::Index count = known.directions().rows() - 6;
   const auto [shares, directions] =
@@ -128,8 +128,8 @@ std::string add_covariance(const Estimate& e, const ReducedNormalEquations& know
   return held;
 }
 
-// Parameters are multiplied, by exp(t d) along the unknown direction d of their logarithms, unless that moves
-// the surface.
+// Multiplies parameters by exp(t d), along the unknown direction d of their logarithms, unless that moves the
+// surface.
 bool enclose(Estimate& e, const ReducedNormalEquations& known, const Positions& inliers,
              const std::vector<Vec2<double>>& feet, double size) {
   const SurfaceInfo& info = e.shape.surface.info();
@@ -169,7 +169,7 @@ bool enclose(Estimate& e, const ReducedNormalEquations& known, const Positions& 
           affected.push_back(c);
           break;
         }
-    // How far the inliers lie beyond [0, 1], negative: within. Not a number where the surface moves.
+    // How far the inliers lie beyond [0, 1]; negative: within. NaN if the surface moves.
     const auto beyond = [&](const std::vector<Projection>& at) {
       double result = at.empty() ? std::nan("") : -infinity;
       for (std::size_t i = 0; i < at.size(); ++i) {

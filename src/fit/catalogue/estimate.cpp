@@ -39,8 +39,8 @@ class BatchedCost final : public ceres::CostFunction {
     if (!shape) return false;
     Eigen::Map<Eigen::VectorXd> r(residuals, n + 1);
     const bool rows = jacobians && jacobians[0];
-    // Ceres asks for the cost of a step, and for its Jacobian once it is accepted: the feet are those found
-    // then.
+    // Ceres first requests the cost of a step, and its Jacobian once the step is accepted: the feet found
+    // then are kept.
     if (rows && delta == tried_at_) accepted_ = tried_;
     tried_ = accepted_;
     tried_at_ = delta;
@@ -71,8 +71,8 @@ class BatchedCost final : public ceres::CostFunction {
   }
 
  private:
-  // The weighted squares of the distances over the size and, where they are asked for, the normal equations.
-  // False where something is not finite.
+  // The weighted squares of the distances over the size and, if requested, the normal equations. False if
+  // something is not finite.
   bool sums(const Shape& shape, const Eigen::VectorXd& delta, Normal* normal, double& squares) const {
     const FootFinder finder(shape);
     const DistanceRow row_of(shape, delta, units_, size_);
@@ -86,7 +86,7 @@ class BatchedCost final : public ceres::CostFunction {
       squares += w * r * r;
       if (!normal) continue;
       const Row row = row_of(f, points_[i]);
-      // Where the surface has no derivatives the point pulls at nothing, so that Ceres has a Jacobian
+      // If the surface has no derivatives there, the point does not contribute: Ceres then has a Jacobian
       // wherever it has a cost.
       if (row.allFinite()) normal->add(row, w, r);
     }
@@ -103,8 +103,8 @@ class BatchedCost final : public ceres::CostFunction {
   mutable Eigen::VectorXd tried_at_;
 };
 
-// The densities along the distance themselves, not their ratio: which of several equivalent poses is found
-// hangs on the last bits of their likelihoods.
+// Uses the densities along the distance, not their ratio: the last bits of the likelihoods decide which of
+// several equivalent poses is found.
 double inlier_density(const MixtureInVolume& m, double error) {
   const double r = error / m.sigma;
   return (1 - m.share) * std::exp(-0.5 * r * r) / (m.sigma * std::sqrt(2 * std::numbers::pi));

@@ -1,4 +1,4 @@
-// The estimate of maximum likelihood of a shape from a start, with Ceres.
+// The maximum-likelihood estimate of a shape from a start, with Ceres.
 #pragma once
 
 #include <functional>
@@ -25,9 +25,10 @@ struct Estimate {
 
 using Progress = std::function<void(double)>;
 
-// From the shape, and sigma where it is known: Ceres with the weights held, then new feet and weights, until
-// the next step would be a small part of the standard errors. FootPoints are searched for, and once more
-// where they have been followed to the end. A draft stops early, only follows them, and tells no progress.
+// Refines from the shape, and from sigma if it is known: Ceres with the weights held, then new feet and
+// weights, until the next step would be a small part of the standard errors. Foot points are searched
+// globally at the start, and again after they have been followed to convergence. A draft stops early, only
+// follows the feet, and reports no progress.
 void refine(Estimate& e, const Positions& points, const std::vector<double>& typical, double size, bool draft,
             const Progress& progress);
 

@@ -38,7 +38,7 @@ void check_kind(const std::string& kind, const AnySurface& standard) {
   throw ParameterError(kind, "cannot be fitted to points, expected one of " + joined(names));
 }
 
-// About how large each parameter is: that of the defaults, lengths as they are at a start.
+// The typical size of each parameter: of the defaults, except lengths, which are those of a start.
 std::vector<double> typical_values(const AnySurface& standard, const std::vector<bool>& lengths,
                                    const Shape& start) {
   const std::vector<double> defaults = values_of(standard);
@@ -55,7 +55,7 @@ std::vector<double> typical_values(const AnySurface& standard, const std::vector
   return result;
 }
 
-constexpr double far = 20;  // points beyond so many times the size start nothing
+constexpr double far = 20;  // points beyond so many times the size are not used for starts
 constexpr std::size_t draft_points = 200, trial_points = 2000, most_starts = 40, most_finalists = 3;
 
 // One fit.
@@ -95,7 +95,7 @@ class CatalogueFit {
     return report(*best);
   }
 
-  // What speaks against the points before any surface; empty where nothing does.
+  // Why the points cannot be fitted by any surface; empty if they can.
   std::string prepare() {
     if (std::string why = fit::against_points(normalised_, unknowns_ + 3, kind_); !why.empty()) return why;
     fit_.centre = normalised_.centre;
@@ -133,14 +133,14 @@ class CatalogueFit {
     return starts;
   }
 
-  // Of the whole, from one share to another.
+  // Progress of a stage that runs from one share of the whole to another.
   Progress between(double from, double to) const {
     return [this, from, to](double share) {
       if (options_.progress) options_.progress(from + share * (to - from));
     };
   }
 
-  // An estimate from there, from all of these points.
+  // An estimate from this shape, using all of these points.
   Estimate refined(const Shape& shape, const Positions& points, const Progress& progress) {
     Estimate e{shape};
     if (options_.noise) {
@@ -152,13 +152,13 @@ class CatalogueFit {
     return e;
   }
 
-  // Drafts from every start on few points, the likeliest on more, the best on all.
+  // Drafts from every start use few points, the likeliest ones more, the best one all.
   std::optional<Estimate> best_of(const std::vector<Start>& starts) {
     typical_ = typical_values(standard_, lengths_, starts.front().shape);
     const Positions few = first(draft_points);
     std::vector<Estimate> drafts;
     for (std::size_t k = 0; k < starts.size(); ++k) {
-      Estimate e{starts[k].shape};  // far from the optimum, where a noise that is known does not hold
+      Estimate e{starts[k].shape};  // far from the optimum; there a known noise does not apply
       refine(e, few, typical_, size_, true, {});
       fit_.iterations += e.iterations;
       if (std::isfinite(e.log_likelihood)) drafts.push_back(std::move(e));
@@ -220,7 +220,7 @@ class CatalogueFit {
     }
     double numbers = 0;
     for (Eigen::Index k = 0; k < units.size(); ++k) numbers += known.is_identifiable(k);
-    // The inliers' residuals are smaller by what the unknowns took up.
+    // The inliers' residuals are smaller than the noise, as the unknowns absorb part of it.
     const auto n = static_cast<double>(inliers.size());
     fit_.sigma =
         options_.noise ? *options_.noise : best.mixture.sigma * std::sqrt(n / std::fmax(1, n - numbers));

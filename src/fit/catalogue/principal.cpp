@@ -17,7 +17,7 @@ Principal principal(const std::vector<Eigen::Vector3d>& points) {
   result.size = std::sqrt(spread.trace());
   const auto [values, vectors] = symmetric_eigen(spread);
   result.axes = vectors;
-  // Not the root of the eigenvalue, whose rounding is that of the largest.
+  // Not the root of the eigenvalue, which has the rounding error of the largest one.
   for (const Eigen::Vector3d& x : points) {
     const double off = result.axes.col(0).dot(x - result.centre);
     result.thickness += off * off / static_cast<double>(points.size());

@@ -12,7 +12,7 @@ struct Principal {
   Eigen::Matrix3d axes;
   double size;       // rms distance from the centre
   double thickness;  // rms distance from the plane of the other two axes
-  // Axes about which the spread is nearly that of a circle, so that the other two may lie anyhow.
+  // Axes about which the spread is nearly circular, so that the other two axes are arbitrary.
   std::vector<int> round;
 };
 

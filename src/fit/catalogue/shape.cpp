@@ -52,7 +52,7 @@ std::vector<bool> lengths_of(const AnySurface& surface) {
         error += norm(sum - p);
         size += norm(p);
       }
-    // A parameter that is zero may be in or out; with all sets tried from the fullest on, it is in.
+    // A parameter that is zero may count or not; sets are tried from the fullest on, so it counts.
     if (error <= 1e-9 * size) {
       std::vector<bool> result;
       for (std::size_t k = 0; k < n; ++k) result.push_back(set >> k & 1U);
@@ -109,7 +109,7 @@ DistanceRow::DistanceRow(const Shape& shape, const Eigen::VectorXd& delta, const
 Row DistanceRow::operator()(const Projection& foot, const Eigen::Vector3d& x) const {
   const Eigen::Vector3d place = shape_.placement * to_eigen(foot.position);
   Eigen::Vector3d n = shape_.placement.linear() * to_eigen(foot.normal);
-  // Also right at borders and apexes; on the surface the direction is all rounding.
+  // Also right at borders and apexes, but on the surface this direction is mere rounding.
   if (!(std::fabs(foot.distance) <= 1e-8 * size_)) n = (x - place) / foot.distance;
   const ParameterJet by = parameter_jet(shape_.surface, foot.uv);
   Row row(6 + by.count);

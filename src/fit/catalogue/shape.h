@@ -1,5 +1,4 @@
-// A surface at a place: its unknowns, the feet of points on it, and how their distances change with the
-// unknowns.
+// A placed surface: its unknowns, the feet of points on it, and how their distances change with the unknowns.
 #pragma once
 
 #include <limits>
@@ -20,30 +19,30 @@ inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 using Positions = std::vector<Eigen::Vector3d>;
 
-// The surface where it is supposed to be; the points are centred, not scaled.
+// The surface in its assumed placement; the points are centred, not scaled.
 struct Shape {
   AnySurface surface;
   Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
 };
 
-// Of the parameters.
+// The values of the parameters.
 std::vector<double> values_of(const AnySurface& surface);
 
-// The surface with other values; nothing where one is out of range, or they do not go together.
+// The surface with other values; none if one is out of range, or they contradict each other.
 std::optional<AnySurface> with_values(const AnySurface& surface, const std::vector<double>& values);
 
 // Which parameters are lengths: those that scale the surface when they are scaled together, P = sum p_k
-// dP/dp_k (Euler). Empty where the surface has a size of its own.
+// dP/dp_k (Euler). Empty if the surface has a fixed size.
 std::vector<bool> lengths_of(const AnySurface& surface);
 
-// The unknowns of one solve, from the shape at hand, are a motion δ: (rotation vector about the points'
-// origin, translation, parameters), in these units that make them about equally large.
+// The unknowns of one solve, relative to the current shape, are a motion δ: (rotation vector about the
+// points' origin, translation, parameters), in these units, which make them about equally large.
 Eigen::VectorXd units_of(const Shape& shape, const std::vector<double>& typical, double size);
 
-// The shape moved by δ; nothing where there is none with such parameters.
+// The shape moved by δ; none if such parameters are not permitted.
 std::optional<Shape> moved(const Shape& shape, const Eigen::VectorXd& delta);
 
-// Where points have their feet.
+// Finds the feet of points.
 class FootFinder {
  public:
   explicit FootFinder(const Shape& shape) : projector_(shape.surface), inverse_(shape.placement.inverse()) {}
@@ -62,7 +61,7 @@ struct FootPoints {
   std::vector<double> distance, curvature;  // signed; k1 + k2, positive where convex towards the surface's n
 };
 
-// The feet of all points, from those of a shape nearby, or searched for where there are none.
+// The feet of all points, followed from those of a shape nearby or, without these, searched globally.
 FootPoints feet_of(const Shape& shape, const Positions& points, const std::vector<Vec2<double>>& starts);
 
 // In units of the unknowns, of the distance over the size.

@@ -9,14 +9,14 @@
 
 namespace darboux::fit {
 
-// Whether the kind of surface is to be found out.
+// Whether the fit is to find the kind of surface.
 inline bool is_automatic(const PointFitOptions& options) {
   return options.surface == "auto";
 }
 
-// \throws MeshError for normals or uvs of another number than positions, or none where uvs are needed;
-// ParameterError for a noise that is not positive and finite, a guess that is not finite or of another kind
-// than the one that is named.
+// \throws MeshError if the number of normals or uvs differs from that of positions, or uvs are needed and
+// missing; ParameterError for a noise that is not positive and finite, or a guess that is not finite or not
+// of the named kind.
 void check_arguments(const PointCloud& points, const PointFitOptions& options);
 
 // \throws ParameterError for a placement that scales, shears or mirrors, or is not finite

@@ -15,7 +15,7 @@ namespace {
 // Of the mean of `dimensions` squares of normal numbers over their estimated variance: F, and chi squared
 // over its dimensions where the variance is known.
 double quantile_of_mean_square(double dimensions, double degrees_of_freedom, double level) {
-  // Beyond, F is that limit to six digits, and its own quantile would be found slowly.
+  // Beyond, F equals that limit to six digits, and computing its own quantile is slow.
   if (degrees_of_freedom > 1e7)
     return boost::math::quantile(boost::math::chi_squared(dimensions), level) / dimensions;
   return boost::math::quantile(boost::math::fisher_f(dimensions, degrees_of_freedom), level);

@@ -1,4 +1,4 @@
-// What a fit states of each number: its standard error and its confidence interval.
+// Standard errors and confidence intervals of the numbers that a fit states.
 #pragma once
 
 #include <string>
@@ -9,23 +9,23 @@
 
 namespace darboux::fit {
 
-// Adds standard errors and intervals to a fit. The noise is known to some degrees of freedom: the number of
-// the inliers' residuals less unknowns; infinite where it was given.
+// Adds standard errors and intervals to a fit. The noise has degrees of freedom: the number of the inliers'
+// residuals minus the unknowns; infinite if the noise was given.
 class Intervals {
  public:
   Intervals(PointFit& fit, double degrees_of_freedom);
 
-  // A number with its variance: Student's t.
+  // A number with its variance, by Student's t.
   void add_number(std::string name, double value, double variance) const;
 
   // The length of a vector that is zero at the truth, times a unit. The sum of squares l1 x1^2 + l2 x2^2 +
-  // ... with l the eigenvalues of its covariance is taken for (sum l) / h times a chi squared of h = (sum
-  // l)^2 / sum l^2 degrees of freedom, which has its mean and variance [Satterthwaite1946]; over the
-  // estimated variance that makes an F.
+  // ... with l the eigenvalues of its covariance is approximated by (sum l) / h times a chi squared of h =
+  // (sum l)^2 / sum l^2 degrees of freedom, which has the same mean and variance [Satterthwaite1946]; divided
+  // by the estimated variance, this is an F.
   void add_length(std::string name, const Eigen::MatrixXd& covariance, double unit) const;
 
-  // What widens a covariance so that the normal region of two dimensions at the level, that of a direction,
-  // holds though sigma is estimated.
+  // The factor for a covariance with which the two-dimensional normal region of a direction keeps its level
+  // although sigma is estimated.
   double widening() const;
 
  private:
@@ -33,8 +33,8 @@ class Intervals {
   double degrees_of_freedom_;
 };
 
-// The factor by which the noise may exceed its estimate from so many degrees of freedom, at 95 % confidence.
-// The estimate is the root of the distances' sum of squares over the degrees of freedom.
+// The factor by which the noise may exceed its estimate with so many degrees of freedom, at 95 % confidence.
+// The estimate is the root of: the distances' sum of squares over the degrees of freedom.
 double greatest_sigma_ratio(double degrees_of_freedom);
 
 // The quantile of Student's t.

@@ -1,4 +1,4 @@
-// What every fit knows of kinds of surface.
+// What every fit needs to know about kinds of surface.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ inline constexpr double margin = 10;
 // "a sphere", "an ellipsoid"
 std::string with_article(std::string_view kind);
 
-// Whether a surface like this may have 0 for its k-th parameter: not where that makes it another kind.
+// Whether the k-th parameter of such a surface may be 0: not if that makes it another kind.
 bool may_be_zero(const AnySurface& surface, std::size_t k);
 
 }  // namespace darboux::fit

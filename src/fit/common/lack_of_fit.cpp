@@ -19,20 +19,20 @@ constexpr double least_correlation = 0.25, chance_of_groups = 1e-6, chance_of_po
 constexpr std::size_t enough_points = 256;                        // for polynomials
 constexpr int highest_degree = 6, highest_degree_of_vectors = 4;  // these have three times the columns
 
-// In how many directions the errors scatter: 1 of distances, 3 of vectors whose noise is the same in all, as
-// [Satterthwaite1946] has the degrees of freedom of a sum of squares.
+// In how many directions the errors scatter: 1 for distances, 3 for vectors with equal noise in all
+// directions; in general the degrees of freedom of a sum of squares [Satterthwaite1946].
 double directions(const Eigen::MatrixXd& errors) {
   const Eigen::MatrixXd spread = errors * errors.transpose();
   return std::pow(spread.trace(), 2) / spread.squaredNorm();
 }
 
-// Orders numbers of points so that any 2, 4, ... consecutive ones from a multiple of that many on are
-// neighbours: halves across the longest side of their box.
+// Orders point numbers so that 2, 4, ... consecutive ones, starting at a multiple of their count, are
+// neighbours: halves the points across the longest side of their box.
 template <class Iterator>
 void order_by_place(const Eigen::Matrix3Xd& places, Iterator begin, Iterator end) {
   const std::ptrdiff_t count = end - begin;
   if (count <= 2) return;
-  std::ptrdiff_t unit = 2;  // what halves are a multiple of
+  std::ptrdiff_t unit = 2;  // halves are multiples of this
   while (unit < largest_group && 2 * unit < count) unit *= 2;
   Eigen::AlignedBox3d box;
   for (auto i = begin; i != end; ++i) box.extend(places.col(*i));
@@ -67,7 +67,7 @@ bool groups_differ(const Eigen::MatrixXd& errors, Eigen::Index size) {
   return chance_of_ratio(between / within, of_groups, in_groups) < chance_of_groups;
 }
 
-// A sum of squares that is split among orthonormal columns, one after the other.
+// Splits a sum of squares among orthonormal columns, one after the other.
 class Regression {
  public:
   explicit Regression(Eigen::VectorXd errors) : left_(std::move(errors)), columns_(left_.size(), 0) {}
@@ -76,7 +76,7 @@ class Regression {
     const double length = column.norm();
     for (int twice = 0; twice < 2; ++twice) column -= columns_ * (columns_.transpose() * column).eval();
     const double own = column.norm();
-    if (!(own > 1e-6 * length)) return;  // the columns before explain it
+    if (!(own > 1e-6 * length)) return;  // earlier columns explain it
     column /= own;
     left_ -= column.dot(left_) * column;
     columns_.conservativeResize(Eigen::NoChange, columns_.cols() + 1);
@@ -90,7 +90,7 @@ class Regression {
   Eigen::MatrixXd columns_;
 };
 
-// Whether polynomials explain the errors, and derivatives by the surface's parameters do not.
+// Whether polynomials explain the errors, and derivatives with respect to the surface's parameters do not.
 bool polynomials_explain(const Eigen::MatrixXd& errors, const Eigen::MatrixXd& derivatives,
                          const Eigen::Matrix3Xd& places) {
   const auto count = static_cast<double>(errors.size());
@@ -116,7 +116,7 @@ bool polynomials_explain(const Eigen::MatrixXd& errors, const Eigen::MatrixXd& d
     const double left = regression.squares(), free = count - regression.rank(), taken = free_before - free;
     if (taken < 1) continue;
     if (free < 1) return false;
-    // The share of the variance that is explained, as estimated without bias.
+    // The explained share of the variance, estimated without bias.
     if (!(left / free < (1 - least_correlation) * before / free_before)) continue;
     if (!(left > 0) || chance_of_ratio((before - left) / taken / (left / free), independent * taken,
                                        independent * free) < chance_of_polynomials)
@@ -125,8 +125,8 @@ bool polynomials_explain(const Eigen::MatrixXd& errors, const Eigen::MatrixXd& d
   return false;
 }
 
-// Whether each coordinate takes few values, as in a grid: points that mirror each other have one rounding,
-// and their errors are not independent.
+// Whether each coordinate takes few values, as in a grid: mirror images have the same rounding, so their
+// errors are not independent.
 bool is_grid(const Eigen::Matrix3Xd& points) {
   const auto takes_few_values = [&](Eigen::Index axis) {
     std::vector<double> values(points.row(axis).begin(), points.row(axis).end());

@@ -1,13 +1,13 @@
-// What the residuals of points from a surface are like: inliers with Gaussian noise among outliers of
+// The distribution of the residuals of points from a surface: inliers with Gaussian noise among outliers of
 // constant density.
 //
-// A residual e, of as many components as the fit compares, is N(0, sigma^2 I) for an inlier. With
-// E = exp(-|e|^2 / 2 sigma^2) and the density `outliers` of outliers over that of inliers at e = 0, a point
-// is an inlier with probability E / (E + outliers).
+// A residual e, with as many components as the fit compares, is N(0, sigma^2 I) for an inlier. With E =
+// exp(-|e|^2 / 2 sigma^2) and the density `outliers` of outliers over that of inliers at e = 0, a point is an
+// inlier with probability E / (E + outliers).
 //
-// The fits differ in how they estimate `outliers`: primitives, which are unbounded, count residuals to either
-// side of the inliers' (primitives/point_states.h); the others know a volume that the outliers are spread
-// over and estimate their share of the points (MixtureInVolume).
+// The fits differ in how they estimate `outliers`: primitives, which are unbounded, count residuals on either
+// side of the inliers' (primitives/point_states.h); the other fits assume a volume over which the outliers
+// are spread, and estimate their share of the points (MixtureInVolume).
 #pragma once
 
 #include <cmath>
@@ -19,8 +19,8 @@ namespace darboux::fit {
 struct Mixture {
   double sigma = 1;
   double outliers = 0;         // 0: there are none, and the likelihood is that of least squares
-  bool sigma_known = false;    // then it stays
-  double inliers = 1;          // the sum of their probabilities, where it was taken
+  bool sigma_known = false;    // then it is not estimated
+  double inliers = 1;          // the sum of their probabilities, if it was computed
   double least_sigma = 1e-15;  // no estimate is less
 
   // \param exponent |e|^2 / 2 sigma^2
@@ -39,7 +39,7 @@ struct Mixture {
   }
 };
 
-// What the expectation step sums over the points, and the noise that is likeliest by it.
+// The sums of the expectation step over the points, and the likeliest noise given these.
 struct ExpectedInliers {
   double count = 0, squares = 0;
 
@@ -62,11 +62,11 @@ struct MixtureInVolume : Mixture {
   int dimensions = 1;  // of residuals, and of the volume
   double share = 0, volume = 1;
 
-  // `outliers`, from the rest.
+  // Sets `outliers` from the other members.
   void compare_densities() {
     outliers =
         std::fmax(share / (1 - share) * std::pow(root_two_pi * sigma, dimensions) / volume,
-                  std::numeric_limits<double>::min());  // there are some, however narrow the inliers lie
+                  std::numeric_limits<double>::min());  // never 0, however narrow the band of inliers is
   }
   // The log density of a residual, of the right scale.
   double log_likelihood(double exponent) const {
@@ -75,10 +75,11 @@ struct MixtureInVolume : Mixture {
   }
 };
 
-// Noise and roundings of the input together, as if all inliers had the same rounding error, which does not
-// average out: rows of a grid share them. Noise dithers them: the mean of a number's rounding is a wave over
-// a step, 4 rounding, that noise damps by exp(-2 (pi noise / step)^2) [Widrow1996]. sigma is that of noise
-// and of rounding, whose square is at most 2 rounding^2; rounding is half of the greatest error.
+// The standard deviation of noise and rounding of the input together, as if all inliers had the same rounding
+// error, which does not average out: rows of a grid share theirs. Noise dithers it: the mean of a number's
+// rounding is a wave over a step, 4 rounding, that noise damps by exp(-2 (pi noise / step)^2) [Widrow1996].
+// sigma is that of noise and of rounding, whose square is at most 2 rounding^2; rounding is half of the
+// greatest error.
 inline double noise_and_rounding(double sigma, double rounding, double inliers) {
   constexpr double pi = std::numbers::pi;
   const double ratio = sigma / rounding, noise = std::fmax(0, ratio * ratio - 2) / 16;

@@ -16,7 +16,7 @@
 namespace darboux::fit {
 namespace {
 
-// The first of the points that lies where this one does, for each.
+// For each point, the first point at the same place.
 class Places {
  public:
   explicit Places(const std::vector<Vec3<double>>& points)
@@ -41,7 +41,7 @@ class Places {
   std::vector<std::size_t> table_;  // at a point's hash or after
 };
 
-// By medians: no outlier moves it.
+// The centre, by medians, so that no outlier moves it.
 Eigen::Vector3d middle_of(const PointCloud& points, const std::vector<std::size_t>& finite) {
   Eigen::Vector3d middle;
   std::vector<double> values(finite.size());
@@ -52,9 +52,8 @@ Eigen::Vector3d middle_of(const PointCloud& points, const std::vector<std::size_
   return middle;
 }
 
-// How many of the digits, counted from the one of 10^first down, a number needs, at most `most`; one more
-// where it needs more, or a double has no more. Products with powers of ten are off by some roundings of
-// theirs.
+// How many digits a number needs, counted down from that of 10^first: at most `most`, or most + 1 if it needs
+// more or a double has no more. Products with powers of ten err by some roundings of the powers.
 int digits_needed(double x, int first, int least, int most) {
   for (int k = least; k <= most; ++k) {
     const double y = x * std::pow(10, k - 1 - first), off = 0x1p-50 * std::fabs(y);
@@ -64,12 +63,12 @@ int digits_needed(double x, int first, int least, int most) {
   return most + 1;
 }
 
-// The greatest errors that the last digit of numbers leaves. They are told by their values: floats, also
-// where nine of their digits are written; three to twelve decimals; four to twelve significant digits, of
-// floats up to eight. Multiples of 2^-12, and what has fewer digits, may as well be exact.
+// The greatest error due to the last stored digit. The values show how they were stored: as floats, also if
+// nine of their digits are written; with three to twelve decimals; with four to twelve significant digits,
+// for floats up to eight. Multiples of 2^-12, and numbers with fewer digits, may just as well be exact.
 class StoredDigits {
  public:
-  // \param limit numbers beyond are outliers', and do not say how large the others are
+  // \param limit larger numbers belong to outliers, and do not show how large the others are
   explicit StoredDigits(double limit) : limit_(limit) {}
 
   void add(double x) {
@@ -84,7 +83,8 @@ class StoredDigits {
     if (decimals_ <= most) decimals_ = digits_needed(x, -1, decimals_, most);
     if (digits_ <= most) digits_ = digits_needed(x, first, digits_, most);
   }
-  // Of floats, of decimals and of digits, where the values agree with them, in falling order; 0: with none.
+  // The errors of floats, of decimals and of digits, if the values agree with these, in descending order; 0:
+  // none.
   // \param decimals whether decimals and digits count
   std::array<double, 3> errors(bool decimals = true) const {
     std::array<double, 3> result{};
@@ -95,17 +95,17 @@ class StoredDigits {
     if (decimals && decimals_ > few_decimals && decimals_ <= last) result[1] = 0.5 * std::pow(10, -decimals_);
     if (decimals && digits_ > few_digits && digits_ <= last) {
       const int of_largest = digits_ - 1 - static_cast<int>(std::floor(std::log10(largest_)));  // decimals
-      // So many digits, not decimals, are also written of floats.
+      // Floats, too, may be written with this many digits (not decimals).
       result[2] = (digits_ == most_of_floats && decimals_ > of_largest ? of_floats : 0) +
                   0.5 * std::pow(10, -of_largest);
     }
     std::sort(result.rbegin(), result.rend());
     return result;
   }
-  // Floats, not only numbers of fewer bits: of n floats none needs the last bit with a probability of 2^-n.
+  // Floats, not only numbers of fewer bits: the probability that none of n floats needs the last bit is 2^-n.
   bool are_floats() const { return is_float_ && needs_last_bit_; }
-  // The decimals of the numbers. 0 where there are more than are written on purpose, or where a number of
-  // digits describes them better, small ones having more decimals.
+  // The decimals of the numbers. 0 if there are more than anyone writes on purpose, or if a number of digits
+  // describes them better, so that small numbers have more decimals.
   int decimals() const {
     const bool are_digits = digits_ <= most && decimals_ > digits_ - std::floor(std::log10(largest_));
     return decimals_ <= last_told() && !are_digits ? decimals_ : 0;
@@ -120,8 +120,8 @@ class StoredDigits {
   int decimals_ = few_decimals, digits_ = few_digits;
 };
 
-// Whether all are multiples of more than one unit of the last decimal, as 0.025 and 0.075 of 0.001: a grid's,
-// which are exact.
+// Whether all are multiples of more than one unit of the last decimal, such as 0.025 and 0.075 with unit
+// 0.001: these are exact values of a grid.
 bool is_lattice(const std::vector<Vec2<double>>& uvs, int decimals) {
   if (decimals == 0) return false;
   std::int64_t common = 0;
@@ -132,11 +132,11 @@ bool is_lattice(const std::vector<Vec2<double>>& uvs, int decimals) {
   return common > 1;
 }
 
-// The step that the coordinates are rounded to, where half of the points are within two steps of a plane
-// across an axis; 0: they are not. Steps of any size, of inches and of powers of two also, are told by the
-// level next to the one in the middle: all coordinates, of all axes, are whole steps apart. A step of more
-// than a hundredth of the size may be a shape's own. Nothing tells the step of points that lie on one level,
-// nor that they are rounded.
+// The step to which the coordinates are rounded, if half of the points are within two steps of a plane
+// perpendicular to an axis; else 0. The step may have any size, such as fractions of inches or powers of two.
+// It is found from the level next to the middle one: all coordinates, of all axes, must be whole steps apart.
+// A step of more than a hundredth of the size may belong to the shape. For points on one level the step
+// cannot be found, nor that they are rounded.
 double step_of_levels(const std::vector<Vec3<double>>& positions, const std::vector<std::size_t>& index,
                       double size) {
   constexpr double largest = 0.01, levels = 2.5, off = 0.01;  // of the size; of a step
@@ -144,7 +144,7 @@ double step_of_levels(const std::vector<Vec3<double>>& positions, const std::vec
   const auto take = [&](int axis) {
     for (std::size_t i = 0; i < index.size(); ++i) values[i] = to_eigen(positions[index[i]])[axis];
   };
-  // Each value makes the step more exact, which floats near each other tell badly, for the next ones.
+  // Each value refines the step for the next ones, as floats near each other determine it badly.
   const auto are_steps = [&](double& step) {
     std::sort(values.begin(), values.end());
     return std::all_of(values.begin(), values.end(), [&](double x) {
@@ -194,7 +194,7 @@ NormalisedPoints normalised(const PointCloud& points, bool with_uv) {
   for (std::size_t i = 0; i < n; ++i)
     values[i] = (to_eigen(points.positions[finite[i]]) - result.centre).stableNorm();
   std::vector<double> distances = values;
-  std::erase(distances, 0.0);  // more than half of the points may be one and the same
+  std::erase(distances, 0.0);  // more than half of the points may coincide
   const double size = distances.empty() ? 0 : median(std::move(distances));
   result.scale = size == 0 ? 0 : with_uv ? 2 * size : std::exp2(std::rint(std::log2(size)));
   Places places(points.positions);

@@ -21,8 +21,8 @@ template <class X>
 constexpr bool differentiable =
     0 < parameter_count<X>&& parameter_count<X> <= most_parameters && !std::same_as<X, Superellipsoid<>>;
 
-// The jet at prepared coordinates, and its derivatives. Flattened, so that those of the second partials,
-// which nobody asks for, are not computed.
+// The jet at prepared coordinates, and its derivatives. Flattened, so that unused derivatives of the second
+// partials are not computed.
 template <class X, class U, class V>
 DARBOUX_FLATTEN Jet2<double> fill(const X& surface, U u, V v, ParameterJet& by) {
   constexpr int n = parameter_count<X>;
@@ -58,7 +58,7 @@ Sample<double> sample_of_any(const void* erased, const Vec2<double>& uv, Paramet
   return static_cast<const AnySurface*>(erased)->sample(uv.x, uv.y);
 }
 
-// Calls f(the surface as its type), not where that is not of the catalogue or not differentiable.
+// Calls f(the surface as its type), unless the type is not in the catalogue or not differentiable.
 template <class F, class... Surfaces>
 void visit(const AnySurface& surface, SurfaceList<Surfaces...>, F f) {
   const auto is = [&]<class X>(const X*) {

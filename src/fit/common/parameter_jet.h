@@ -9,28 +9,28 @@ namespace darboux {
 
 constexpr int most_parameters = 12;
 
-// The derivatives of position and first partials by each parameter.
+// The derivatives of position and first partials with respect to each parameter.
 struct ParameterJet {
   int count = 0;
   std::array<Vec3<double>, most_parameters> position, dpdu, dpdv;
 };
 
-// The address of the surface held, where its parameters are plain numbers by which the formula can be
-// differentiated: all of the catalogue but superellipsoid (dual numbers do not carry an exponent) and those
+// The address of the held surface, if its formula can be differentiated with respect to plain numeric
+// parameters: the whole catalogue except superellipsoid (dual numbers cannot be exponents) and surfaces
 // without parameters. Null for others.
 const void* address(const AnySurface& surface);
 
-// For surfaces that have such an address; else there are none.
+// Derivatives for surfaces with such an address; else none.
 ParameterJet parameter_jet(const AnySurface& surface, const Vec2<double>& uv);
 
-// A surface with its type found out, for many points; it must not outlive what it was made of.
+// A surface whose type is looked up once, for many points. Must not outlive the surface it was made from.
 class SurfaceWithParameters {
  public:
   explicit SurfaceWithParameters(const AnySurface& surface);
 
-  // How many there are to differentiate by.
+  // The number of parameters.
   int parameters() const { return parameters_; }
-  // The sample() of the surface to the bit, and the derivatives. What `by` holds beyond their number stays.
+  // The surface's sample(), bit for bit, and the derivatives. Further entries of `by` are not changed.
   Sample<double> sample(const Vec2<double>& uv, ParameterJet& by) const { return sample_(surface_, uv, by); }
 
  private:

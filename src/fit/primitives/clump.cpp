@@ -11,8 +11,8 @@ namespace darboux::fit {
 namespace {
 
 constexpr std::size_t looked_at = 512;  // points
-// A neighbourhood is this share of those points; the clump's has at most this much of the radius that a third
-// of the points exceed.
+// A neighbourhood has this share of those points. In a clump its radius is at most `denser` times the radius
+// that a third of the points exceed.
 constexpr double neighbourhood = 0.08, denser = 0.4;
 constexpr double least_share = 0.1, most_share = 2.0 / 3;
 constexpr double furthest = 3.5;      // standard deviations
@@ -23,7 +23,8 @@ struct Ball {
   double radius;
 };
 
-// About the mean of the points within the ball, `furthest` of their standard deviations.
+// The ball about the mean of the points within `ball`, with a radius of `furthest` of their standard
+// deviations.
 Ball next(const Eigen::Matrix3Xd& cloud, const Ball& ball) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double squares = 0, count = 0;

@@ -16,7 +16,7 @@ namespace {
 
 // rho, kappa, alpha: the axis leaves (0, 0, rho + 1/kappa) in direction (cos alpha, 0, sin alpha), the cone
 // opens along it for alpha > 0. d = -zeta + cos(alpha) f, f = (|(kappa y, m)| - m) / kappa, m = cos(alpha) +
-// kappa (x sin(alpha) - zeta cos(alpha)). Beyond the apex the generatrix goes on. Exact at kappa = 0 too.
+// kappa (x sin(alpha) - zeta cos(alpha)). The generatrix continues beyond the apex. Exact at kappa = 0 too.
 class ConeModel {
  public:
   static constexpr int parameters = 3;
@@ -103,7 +103,7 @@ LocalModel localise(const GeometricParameters& n, const Vector3d& at) {
 }
 
 GeometricParameters geometric(const LocalModel& m) {
-  // A descent may turn it on by half turns, which leave the cone as it is.
+  // A descent may add half turns to it, which do not change the cone.
   const double angle = std::remainder(m.s[2], std::numbers::pi);
   const double kappa = std::fabs(m.s[1]), alpha = m.s[1] < 0 ? -angle : angle;
   const double sine = std::sin(alpha), side = m.s[1] < 0 ? -1 : 1;

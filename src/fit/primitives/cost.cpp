@@ -77,7 +77,7 @@ void BatchedCost::accumulate_at(const LocalModel& model) const {
     primitive_.distance.accumulate(cloud_, model, {phase_, mixture_, weights_, convex_}, states_, sums_);
   };
   sum();
-  // Far from the maximum the likelihood may curve the wrong way; the weighted squares never do.
+  // Far from the maximum the likelihood may be non-convex; the weighted squares never are.
   if (!convex_ && phase_ == Phase::score &&
       symmetric_eigenvalues(sums_.hessian)[0] < -1e-9 * sums_.hessian.trace()) {
     convex_ = true;

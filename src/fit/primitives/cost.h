@@ -23,7 +23,7 @@ class BatchedCost final : public ceres::CostFunction {
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
-  // Leaves the states as they are at the model; false where there is no such surface.
+  // Updates the states to the model; false if there is no such surface.
   bool evaluate_at(const LocalModel& model) const;
   Phase phase() const { return phase_; }
   int parameters() const { return parameters_; }
@@ -52,16 +52,16 @@ class BatchedCost final : public ceres::CostFunction {
   mutable bool convex_ = false;
 };
 
-// Radius of Ceres' trust region that leaves Gauss-Newton's step as it is but for a rounding.
+// Radius of Ceres' trust region that leaves Gauss-Newton's step unchanged up to rounding.
 inline constexpr double wide_trust = 1e4;
 
 struct Solved {
   bool usable = false, moved = false;
   int iterations = 0;
-  double trust = wide_trust;  // where it ended
+  double trust = wide_trust;  // radius at the end
 };
 
-// The score phase, near the root, where damping would show in long valleys, has no trust region.
+// The score phase has no trust region: it is near the root, and damping would be felt in long valleys.
 Solved solve(BatchedCost& cost, LocalModel& model, int most_iterations, double parameter_tolerance,
              double function_tolerance, double trust = wide_trust);
 

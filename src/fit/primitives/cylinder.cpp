@@ -13,7 +13,7 @@ DARBOUX_COMPILED_MODEL(darboux::Cylinder<>)
 namespace darboux::fit {
 namespace {
 
-// As for the sphere across the axis, which is parallel to x.
+// The model of the sphere, perpendicular to the axis, which is parallel to x.
 class CylinderModel {
  public:
   static constexpr int parameters = 2;
@@ -29,7 +29,7 @@ class CylinderModel {
   double kappa_;
 };
 
-// Where the two normals meet, seen along the axis.
+// The circle whose centre is where the two normals meet, seen along the axis.
 std::optional<Circle2> through_two(const Eigen::Matrix2Xd& points, const Eigen::Matrix2Xd& normals) {
   Eigen::Matrix2d m;
   m << normals.col(0), -normals.col(1);

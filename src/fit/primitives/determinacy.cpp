@@ -23,14 +23,14 @@ double expected_inliers(const PrimitiveFit& f) {
   return inliers;
 }
 
-// The covariance without the turns of a whole frame: where two lengths are equal they change nothing.
+// The covariance without turns of a whole frame: if two lengths are equal, a turn changes nothing.
 Covariance of_the_surface(const PrimitiveFit& f) {
   Covariance c = f.covariance;
   if (f.primitive->orientation == Orientation::frame) c.topRows<3>().setZero(), c.leftCols<3>().setZero();
   return c;
 }
 
-// The movement that the points tell the least about.
+// The name of the movement that the points determine least.
 std::string least_identifiable(const PrimitiveFit& f) {
   Covariance c = of_the_surface(f);
   c /= c.cwiseAbs().maxCoeff();
@@ -47,20 +47,20 @@ std::string least_identifiable(const PrimitiveFit& f) {
   return "a turn about " + direction_text(turn);
 }
 
-// Beyond this share of itself a number has no interval that holds: its errors are no longer those of a linear
-// model. Of an angle, in radians.
+// If the error of a number exceeds this share of it, its interval is not valid: the errors are no longer
+// those of a linear model. For an angle, in radians.
 constexpr double largest_share = 0.2;
 
 double degrees_of_freedom(const PrimitiveFit& f, double inliers) {
   return std::max(0.5, inliers - f.primitive->unknowns);
 }
 
-// A line's own noise makes it look like a strip, of a plane or beside a circle: a sigma wide, and wider where
-// outliers are taken for noise.
+// Noise makes points on a line or circle look like a strip of a surface: a sigma wide, and wider if outliers
+// are taken for noise.
 constexpr double least_width_over_sigma = 2.5;
 
-// What the standard errors may be, over those of the covariance: few points estimate the noise badly, and of
-// many such fits those that underestimate it would pass.
+// The greatest ratio of the true standard errors to those of the covariance: few points estimate the noise
+// badly, and among many such fits those that underestimate it would pass.
 double greatest_error_ratio(const PrimitiveFit& f, double inliers) {
   if (f.sigma_known) return 1;
   const double freedom = degrees_of_freedom(f, inliers);
@@ -81,8 +81,8 @@ Determinacy none(std::string why) {
 Determinacy identifiability(const PrimitiveFit& f, double k) {
   const Primitive& primitive = *f.primitive;
   const std::string help = "; points over a larger part of it help";
-  // Movement of the surface at the points, root mean square, by a unit of the direction that they tell the
-  // least about. The normal equations know its square but for their rounding.
+  // Root mean square movement of the surface at the points, for a unit along the direction that they
+  // determine least. The normal equations give its square up to their rounding.
   const Covariance c = of_the_surface(f);
   const double movement = primitive.orientation == Orientation::frame
                               ? f.sigma / std::sqrt(k * symmetric_eigenvalues(Eigen::MatrixXd(c))[8])
@@ -127,7 +127,7 @@ std::string direction_text(const Vector3d& direction) {
 std::vector<bool> inliers_of(const PrimitiveFit& fit) {
   std::vector<bool> is_inlier(fit.error.size());
   for (std::size_t i = 0; i < is_inlier.size(); ++i) {
-    // Beyond the support inliers are rare: a point is one only where outliers are much rarer still.
+    // Beyond the support inliers are rare: a point counts as one only if outliers are much rarer still.
     const double outliers = fit.outliers * (fit.in_support[i] ? 1 : 1000);
     is_inlier[i] = inlier_probability(fit.error[i], {fit.sigma, outliers}) > 0.5;
   }
@@ -150,7 +150,7 @@ bool explains_enough(const PrimitiveFit& fit) {
 
 bool are_same(const PrimitiveFit& a, const PrimitiveFit& b) {
   if (!a.covariance.allFinite() || !b.covariance.allFinite()) return false;
-  // Of the better known one: what determines nothing is not the same as everything.
+  // Uses the better known of the two: a fit that determines nothing is not the same as every other.
   const auto near = [](double difference, double deviation_a, double deviation_b) {
     constexpr double rounding = 1e-9;
     return std::fabs(difference) <= 6 * std::fmin(deviation_a, deviation_b) + rounding;
@@ -197,9 +197,9 @@ double range_of_outliers(double mean_distance, double sigma, double share_of_inl
 
 double log_likelihood_ratio(double k, double n, double sigma, int unknowns, double range) {
   constexpr double band =
-      4.132731354122493;  // sqrt(2 pi e): a Gaussian's entropy is that of a band so many sigma wide
+      4.132731354122493;  // sqrt(2 pi e): a Gaussian has the entropy of a band this many sigma wide
   const auto x_log_x = [](double x) { return x > 0 ? x * std::log(x) : 0; };
-  // `unknowns` of the inliers lie on the surface because it was laid through them.
+  // `unknowns` of the inliers lie on the surface because it was made to pass through them.
   return std::max(0.0, k - unknowns) * std::log(2 / (band * std::max(sigma, exact))) + x_log_x(k) +
          x_log_x(std::max(0.0, n - k)) - x_log_x(n) - std::max(0.0, n - k) * std::log(range);
 }
@@ -219,8 +219,8 @@ Determinacy determinacy(const PrimitiveFit& f) {
   const double k = expected_inliers(f), n = static_cast<double>(f.error.size());
   if (f.sigma > largest_sigma)
     return none("leaves distances of " + rounded(f.sigma, 3) + " of the points' size: no fit");
-  // Curvature and noise are of one size: the model, of first order in their product, and the distances mean
-  // nothing.
+  // If radius of curvature and noise are of similar size, the model (first order in noise times curvature)
+  // and the distances mean nothing.
   if (const double radius = least_radius(*f.primitive, f.surface, f.reference);
       radius < least_radius_over_sigma * f.sigma)
     return none("has a radius of only " + rounded(radius / f.sigma, 3) +
@@ -231,8 +231,7 @@ Determinacy determinacy(const PrimitiveFit& f) {
   if (k < f.primitive->unknowns + 0.5)
     return unproven("has only " + std::to_string(std::lround(k)) +
                     " of the points, as many lie on one by chance; more points help");
-  // That there are no outliers was told by the points too, where that is assumed: their share and density are
-  // unknowns.
+  // If no outliers are assumed, the points showed that too: share and density of outliers count as unknowns.
   const int unknowns = f.primitive->unknowns + (f.outliers == 0 ? 2 : 0);
   if (log_likelihood_ratio(k, n, f.sigma, f.primitive->unknowns) < 0.5 * unknowns * std::log(n) + margin)
     return unproven(

@@ -9,12 +9,12 @@
 
 namespace darboux::fit {
 
-// What a surface says of one point. Signed distance is positive on the outer side.
+// Distance of one point from a surface, and derivatives. The distance is positive on the outer side.
 template <int S>
 struct LocalDistance {
   double d;                  // signed orthogonal distance
-  Vector3d gradient;         // of d by the point: the unit normal at its foot
-  std::array<double, S> by;  // derivatives of d by the model's parameters
+  Vector3d gradient;         // of d with respect to the point: the unit normal at its foot
+  std::array<double, S> by;  // derivatives of d with respect to the model's parameters
   double curvature;          // k1 + k2 at the foot, positive where the side d < 0 is convex
   // The least of 1 + k1 d and 1 + k2 d: 0 where the point lies on a focal surface, an axis or at an apex, and
   // its foot jumps.
@@ -86,8 +86,8 @@ void foot_points(const Eigen::Matrix3Xd& cloud, const LocalModel& model, Eigen::
   }
 }
 
-// By how much a small turn of the frame and the parameters move the distance. A turn by r moves the local
-// point by p x r.
+// How a small turn of the frame, and the parameters, change the distance. A turn by r moves the local point
+// by p x r.
 template <int S>
 Eigen::Matrix<double, 1, 3 + S> derivatives(const LocalDistance<S>& local, const Vector3d& p) {
   Eigen::Matrix<double, 1, 3 + S> row;

@@ -15,10 +15,10 @@ DARBOUX_COMPILED_MODEL(darboux::Ellipsoid<>)
 namespace darboux::fit {
 namespace {
 
-// Centre and logarithms of the semi-axes, in the frame of the axes: no point of the surface is special enough
-// to start from. The foot is a_i^2 q_i / (a_i^2 + t), t the largest root of S = sum (a_i q_i / (a_i^2 + t))^2
-// = 1 [Eberly2013]. 1 / sqrt(S) is nearly linear in t, exactly so for a sphere: Chebyshev's method on it
-// takes two steps.
+// Parameters: centre and logarithms of the semi-axes, in the frame of the axes. No point of the surface is a
+// natural origin. The foot is a_i^2 q_i / (a_i^2 + t), t the largest root of S = sum (a_i q_i / (a_i^2 +
+// t))^2 = 1 [Eberly2013]. 1 / sqrt(S) is nearly linear in t, exactly so for a sphere: Chebyshev's method on
+// it takes two steps.
 class EllipsoidModel {
  public:
   static constexpr int parameters = 6;
@@ -36,7 +36,7 @@ class EllipsoidModel {
     const Parts r = parts(p);
     return r.t * r.length;
   }
-  // To first order near the surface, for a tenth of the time.
+  // Of first order near the surface, in a tenth of the time.
   double rough_distance(const Vector3d& p) const {
     const Vector3d u = (p - centre_).cwiseQuotient(axes_);
     const double length = u.norm();
@@ -77,7 +77,7 @@ class EllipsoidModel {
       const bool near = std::fabs(bent) < 0.1;
       r.t = std::max(r.t + (near ? newton - bent * newton : newton), low);
       inverse = inverses(r.t);
-      // What is left is of third order near the root, of second elsewhere.
+      // The error left is of third order near the root, of second elsewhere.
       if (std::fabs(r.t - before) <= (near ? 1e-6 : 1e-9) * (std::fabs(r.t) + least_)) break;
     }
     r.over = q.cwiseProduct(inverse);
@@ -94,9 +94,8 @@ class EllipsoidModel {
   double least_;
 };
 
-// lengths: the semi-axes, along the axes.
-// The quadric whose value at the points is 0 and whose gradient there is the normal, in the sense of least
-// squares; normals are turned away from the centre of the sphere through the points.
+// lengths: the semi-axes, along the axes. The least-squares quadric whose value at the points is 0 and whose
+// gradient there is the normal. Normals are turned away from the centre of the sphere through the points.
 Eigen::Matrix<double, 10, 1> linear_quadric(const OrientedPoints& sample, const Vector3d& mean,
                                             const Sphere3& sphere) {
   Eigen::Matrix<double, 10, 10> normal = Eigen::Matrix<double, 10, 10>::Zero();
@@ -129,7 +128,7 @@ std::optional<GeometricParameters> start(const OrientedPoints& sample) {
   const auto [values, vectors] = closed_form_symmetric_eigen(form);
   const double largest = values[2];
   if (!(largest > 0)) return std::nullopt;
-  // A direction in which the quadric opens becomes a long axis.
+  // A direction in which the quadric is open becomes a long axis.
   const Vector3d curvatures = values.cwiseMax(0.04 * largest);
   Matrix3d axes = vectors;
   if (axes.determinant() < 0) axes.col(0) *= -1;
@@ -188,8 +187,8 @@ Vec2<double> foot_on(const Ellipsoid<>& s, const Vec3<double>& p) {
   const std::array<double, 3> e{s.semi_axis_x / size, s.semi_axis_y / size, s.semi_axis_z / size};
   const std::array<double, 3> y{p.x / size, p.y / size, p.z / size};
   const auto least = static_cast<std::size_t>(std::min_element(e.begin(), e.end()) - e.begin());
-  // shift = t + the square of the least semi-axis, which next to the plane of the others is far smaller than
-  // t.
+  // shift = t + the square of the least semi-axis. Near the plane of the other two axes it is far smaller
+  // than t.
   const auto over = [&](std::size_t i, double shift) {
     return (e[i] - e[least]) * (e[i] + e[least]) + shift;
   };
@@ -199,7 +198,8 @@ Vec2<double> foot_on(const Ellipsoid<>& s, const Vec3<double>& p) {
   for (std::size_t i = 0; i < 3; ++i)
     if (i != least) beside += term(i, 0) * term(i, 0);
   if (y[least] == 0 && beside <= 1) {
-    // In the plane of the two greater axes, within the focal ellipse: either of two feet.
+    // In the plane of the two greater axes, within the focal ellipse, there are two feet: either one is
+    // taken.
     for (std::size_t i = 0; i < 3; ++i) q[i] = term(i, 0);
     q[least] = std::sqrt(1 - beside);
   } else {

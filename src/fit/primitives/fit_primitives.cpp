@@ -34,13 +34,13 @@ GeometricParameters guess_of(const PlacedSurface& placed, const Primitive& primi
   return primitive.from_catalogue(n);
 }
 
-// Log likelihoods over part of the points. A kind so far behind the likeliest is not refined: odds of
-// exp(300), far more when all points count. A surface so much likelier than none is taken for found. A kind
-// so far behind such a surface is not looked for again.
+// Differences of log likelihoods over part of the points. far_likelier: a kind this far behind the likeliest
+// is not refined (odds of exp(300), far more with all points). evident: a surface this much likelier than
+// none counts as found. hopeless: a kind this far behind such a surface is not searched again.
 constexpr double far_likelier = 300, evident = 300, hopeless = 100;
-// Of the points' size: where a search may end whose surface meets them exactly.
+// Distance, over the points' size, at which a search may end whose surface meets the points exactly.
 constexpr double nearly_exact = 1e-9;
-// Of a kind with so many unknowns the best start is not found at once, but in so many rounds.
+// For a kind with at least hard_to_find unknowns, the best start may take enough_rounds rounds.
 constexpr int hard_to_find = 7, enough_rounds = 4;
 
 // One fit of some primitives.
@@ -77,13 +77,13 @@ class PrimitivesFit {
     return report(tried);
   }
 
-  // A torus that crosses itself is found only where it is asked for.
+  // A torus that crosses itself is found only if requested.
   bool is_wanted(const Primitive& primitive, const GeometricParameters& surface) const {
     return !automatic() || !primitive.crosses_itself || !primitive.crosses_itself(surface);
   }
 
-  // On a small patch or a thin strip, searches that know lookalikes of a surface try those of their own best
-  // one and of the best of all.
+  // On a small patch or a thin strip, other surfaces look alike. Searches that can construct lookalikes try
+  // those of their own best surface and of the best of all.
   static void try_lookalikes(const OrientedPoints& points, std::vector<Search>& searches) {
     const auto worse = [](const Search& a, const Search& b) {
       return std::pair(a.has_surface(), a.log_likelihood_ratio()) <
@@ -104,7 +104,7 @@ class PrimitivesFit {
     std::vector<Search> searches;
     for (const Primitive* primitive : list_)
       if (points_.cloud.cols() > primitive->unknowns) searches.emplace_back(problem, *primitive);
-    // A tenth of the work for the first rounds, two for the others.
+    // Progress: a tenth of the work is for the first rounds, two tenths for the others.
     double done = 0;
     const auto work = [&](double tenths) {
       done += 0.1 * tenths / static_cast<double>(searches.size());
@@ -116,9 +116,9 @@ class PrimitivesFit {
         std::none_of(searches.begin(), searches.end(),
                      [](const Search& search) { return search.share_of_inliers() > nearly_all; }))
       for (Search& search : searches) search.look_among_outliers();
-    // No more rounds where a likely surface of another kind is found: far likelier, or simpler and as likely.
-    // One with more unknowns may be likelier only because this one is not found yet, if it is a torus or has
-    // as many unknowns: others are found at once.
+    // No more rounds if a likely surface of another kind is found: far likelier, or simpler and equally
+    // likely. A kind with more unknowns may be likelier only because this one is not found yet. That can be
+    // so for a torus and kinds with as many unknowns; others are found at once.
     const auto is_hopeless = [&](const Search& search) {
       const double own = search.log_likelihood_ratio();
       const bool is_looked_for =
@@ -146,7 +146,7 @@ class PrimitivesFit {
     return result;
   }
 
-  // Adds a fit; where hypotheses of one kind led to the same surface, the likelier of them stays.
+  // Adds a fit. If hypotheses of one kind led to the same surface, the likelier is kept.
   static void keep(PrimitiveFit found, std::vector<PrimitiveFit>& tried) {
     const auto same = std::find_if(tried.begin(), tried.end(), [&](const PrimitiveFit& other) {
       return other.primitive == found.primitive && are_same(other, found);
@@ -184,8 +184,8 @@ class PrimitivesFit {
     span = 0.7 / std::max(1.0, static_cast<double>(hypotheses.size()));
     std::vector<PrimitiveFit> tried;
     for (const Hypothesis& hypothesis : hypotheses) {
-      // Part of the points is enough to see that a kind is none. Where points are exact, one search ends
-      // nearer to them than another.
+      // Part of the points suffices to exclude a kind. With exact points, searches end at different distances
+      // from them.
       const bool is_none = hypothesis.log_likelihood_ratio < furthest - far_likelier &&
                            !(hypothesis.mixture.sigma < nearly_exact);
       PrimitiveFit found = refine(problem, hypothesis, is_none);
@@ -200,7 +200,7 @@ class PrimitivesFit {
     Selection selection = select(tried, points_.scale);
     const PrimitiveFit& best = tried[selection.order.front()];
     for (const std::size_t i : selection.order) {
-      // Of each kind but the first, only the best one is listed.
+      // Of each kind except the first, only the best fit is listed.
       const std::string name(tried[i].primitive->name);
       if (tried[i].primitive != best.primitive &&
           std::any_of(fit_.candidates.begin(), fit_.candidates.end(),
@@ -211,7 +211,7 @@ class PrimitivesFit {
     }
     const std::vector<bool> is_inlier = inliers_of(best);
     const NoiseKnowledge noise = report_points(best, points_, is_inlier, options_.noise.has_value(), fit_);
-    // Where two surfaces are equally likely but neither is the points', it is the latter that is reported.
+    // If two surfaces are equally likely but neither fits the points, the latter is reported.
     const bool are_alike = (selection.usable || selection.has_rival) &&
                            best.sigma > points_.stored_rounding() &&
                            neighbours_are_alike(points_.cloud, best, is_inlier);
@@ -249,7 +249,7 @@ class PrimitivesFit {
   PointFit fit_;
 };
 
-// The fit of the points that are not left out, and the unit of lengths in which it was made.
+// The fit of the points that were kept, and its unit of length.
 struct FitOfOthers {
   PointFit fit;
   double scale;
@@ -275,8 +275,8 @@ FitOfOthers fit_of_others(const PointCloud& points, const std::vector<bool>& lef
   return {std::move(fit), scale};
 }
 
-// Where a kind is asked for and half of the points are the ground's, a surface of that kind that is nearly a
-// plane is likelier than the one meant, and its parameters are not known. Then the points of the plane are
+// If a kind is named and half of the points belong to the ground, a nearly plane surface of that kind is
+// likelier than the intended one, and its parameters are not determined. Then the points of the plane are
 // left out: docs/theory/fit.md. \param all the fit of all points
 std::optional<PointFit> fit_beside_plane(const PointCloud& points, const NormalisedPoints& normal,
                                          const PointFitOptions& options, const Primitive* only,
@@ -295,8 +295,7 @@ std::optional<PointFit> fit_beside_plane(const PointCloud& points, const Normali
   if (!beside.usable ||
       static_cast<double>(beside.inliers) < enough * static_cast<double>(normal.finite - plane.inliers))
     return std::nullopt;
-  // What stands on the ground was measured as the ground was; where its noise is larger, it is of another
-  // kind.
+  // An object on the ground was measured in the same way. If its noise is larger, it is of another kind.
   constexpr double noisier = 1.5;
   const bool is_exact = plane.sigma <= normal.scale * normal.stored_rounding();
   if (beside.reason != "converged" || (!is_exact && beside.sigma > noisier * plane.sigma))
@@ -332,11 +331,12 @@ class ClumpedFit {
   }
 
  private:
-  // How likely the others are beside a fit, and what shares of them and of the clump are within its noise.
+  // How likely the other points are under a fit, and which shares of them and of the clump are within its
+  // noise.
   struct Told {
     double log_likelihood_ratio = 0, share_of_others = 0, share_of_clump = 0;
   };
-  // \param scale the unit of lengths, of the size of the others
+  // \param scale the unit of length, about the size of the others
   Told told(const PointFit& fit, double scale) const {
     const Primitive& primitive = *primitive_named(fit.surface->surface.info().name);
     Eigen::Index near_it = 0;
@@ -363,8 +363,9 @@ class ClumpedFit {
            static_cast<double>(beside.inliers) >= enough_inliers * static_cast<double>(normal_.finite);
   }
 
-  // Whether that is plain without a fit of all points: nearly all others are near a surface that the clump is
-  // not on, and it fills a ball that is far wider than the noise. A small surface is hollow.
+  // Whether the clump is clutter, decided without a fit of all points: nearly all others are near a surface
+  // that the clump does not lie on, and it fills a ball far wider than the noise. A small surface would be
+  // hollow.
   bool is_clutter(const PointFit& beside, double scale) const {
     constexpr double nearly_all = 0.8, far_wider = 2.5;
     if (options_.guess || !enough(beside)) return false;
@@ -395,7 +396,7 @@ class ClumpedFit {
       }
       return left_out(std::move(beside), clump);
     }
-    // A surface that takes the clump for its own has more noise than the others alone.
+    // A surface that includes the clump has more noise than the others alone.
     constexpr std::string_view undetermined = "undetermined: ";
     if (only_ || beside.usable || !all.usable || !enough(beside) || !beside.reason.starts_with(undetermined))
       return all;
@@ -418,7 +419,7 @@ class ClumpedFit {
     return options;
   }
 
-  // No more of a clump is within the noise of a surface that it is not on.
+  // The largest share of a clump within the noise of a surface that it does not lie on.
   static constexpr double off_it = 0.5;
 
   const PointCloud& points_;

@@ -17,7 +17,7 @@ Matrix3d axes_with_z(const Vector3d& z);
 // The frame with this z whose x is the world axis least parallel to z, projected.
 Matrix3d conventional_frame(const Vector3d& z);
 
-// The side of a direction whose largest component is positive.
+// The direction or its opposite, whichever has a positive largest component.
 Vector3d positive_side(const Vector3d& a);
 
 // The direction from the axis to the point.
@@ -46,8 +46,8 @@ struct Circle3 {
   double radius;
   double deviation;  // of the points, root mean square, of each of the two directions across it
 };
-// The circle of weighted points: in the plane of their largest moments the algebraic one, x^2 + y^2 = 2 a x +
-// 2 b y + c.
+// The circle through weighted points: the algebraic fit x^2 + y^2 = 2 a x + 2 b y + c in the plane of their
+// largest moments.
 Circle3 algebraic_circle(const Eigen::Matrix3Xd& points, const std::vector<double>& weights);
 
 struct AxisOfRevolution {
@@ -56,10 +56,10 @@ struct AxisOfRevolution {
 // Every normal of a surface of revolution meets the axis: with a its direction and m its moment, n . m + (p x
 // n) . a = 0, a linear line complex [Pottmann2001].
 AxisOfRevolution linear_axis(const OrientedPoints& sample);
-// The points in the half-plane at the axis: distance from it, and height above its point.
+// The points in the half-plane bounded by the axis: distance from it, and height above its point.
 Eigen::Matrix2Xd half_plane(const OrientedPoints& sample, const AxisOfRevolution& axis);
 
-// The start where its numbers are usable.
+// The start if its numbers are usable, else none.
 std::optional<GeometricParameters> checked_start(const GeometricParameters& n);
 
 // Coordinates of support about the axis: z along it, x towards the mean of the points.
@@ -67,7 +67,7 @@ GeometricParameters axis_frame(const GeometricParameters& n, const Vector3d& mea
 // About a given z, x along the largest scatter.
 GeometricParameters scatter_frame(const GeometricParameters& n, const Vector3d& z, const Matrix3d& scatter);
 
-// An angle in turns, from 0 on.
+// An angle in turns, from 0 to 1.
 double turns(double y, double x);
 
 }  // namespace darboux::fit

@@ -7,7 +7,7 @@
 
 namespace darboux::fit {
 
-// In the order of preference. Each is defined in the file of its name.
+// In order of preference. Each is defined in the file of its name.
 // clang-format off
 #define DARBOUX_PRIMITIVES(each) \
   each(plane) \
@@ -25,11 +25,11 @@ DARBOUX_PRIMITIVES(DARBOUX_DECLARE_PRIMITIVE)
 
 std::span<const Primitive* const> primitives();
 
-// The primitive of that name in the catalogue; null where there is none.
+// The primitive with that name in the catalogue; null if there is none.
 const Primitive* primitive_named(std::string_view name);
 
-// The (u, v) of the point nearest to p on a primitive; nothing for other surfaces. Primitives do not end, but
-// for a cone at its apex.
+// The (u, v) of the point nearest to p on a primitive; none for other surfaces. Primitives are unbounded,
+// except a cone at its apex.
 std::optional<Vec2<double>> closed_form_foot(const AnySurface& surface, const Vec3<double>& p);
 
 }  // namespace darboux::fit

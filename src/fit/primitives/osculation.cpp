@@ -14,7 +14,7 @@ std::optional<Osculation> osculation(const Primitive& primitive, const LocalMode
     return Eigen::Matrix3Xd((rotation * local).colwise() + model.origin);
   };
   const Vector3d at = feet(near).col(0);
-  // Of three points beside the surface one at least is well off it; the normal leads there from its foot.
+  // At least one of three nearby points is well off the surface; the normal leads there from its foot.
   const Eigen::Matrix3Xd beside = (step * Matrix3d::Identity()).colwise() + at;
   const Eigen::Matrix3Xd from_feet = beside - feet(beside);
   Eigen::Index best = 0;
@@ -24,7 +24,7 @@ std::optional<Osculation> osculation(const Primitive& primitive, const LocalMode
   const Eigen::Matrix3Xd off =
       (step * (Matrix3d() << Vector3d::Zero(), u, v).finished()).colwise() + (at + step * normal);
   const Eigen::Matrix3Xd normals = (off - feet(off)).colwise().normalized();
-  Eigen::Matrix2d shape;  // the centre lies along the normal where that turns back
+  Eigen::Matrix2d shape;  // positive where the normal turns back: the centre lies along it
   for (Eigen::Index k = 0; k < 2; ++k) {
     const Vector3d turned = (normals.col(0) - normals.col(k + 1)) / step;
     shape.col(k) << turned.dot(u), turned.dot(v);

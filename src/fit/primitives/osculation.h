@@ -1,5 +1,5 @@
-// The local shape of a fitted surface about one of its points. It gives starts to other kinds: a kind that
-// samples did not find may still be found from another kind's shape.
+// The local shape of a fitted surface about one of its points. It gives starts for other kinds: a kind that
+// random samples missed may be found from another kind's shape.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ struct Osculation {
   bool is_strip() const { return circle.deviation < 0.2 * (at - circle.centre).norm(); }
 };
 
-// Principal curvatures by differences of the normals of a model, good to 1e-3: for starts. Nothing where the
-// surface has none. \param near the point is its foot
+// Principal curvatures from differences of the normals of a model, accurate to 1e-3, for starts. None if the
+// surface has none. \param near the result is for the foot of this point
 std::optional<Osculation> osculation(const Primitive& primitive, const LocalModel& model,
                                      const Vector3d& near, const Circle3& circle);
 

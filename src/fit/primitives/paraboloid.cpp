@@ -32,7 +32,7 @@ class ParaboloidModel {
     const double meridian = kappa_ / (f.w * f.w * f.w), parallel = kappa_ / f.w;
     out.d = f.d;
     out.gradient = n;
-    // The surface rises by the height of the foot where kappa grows.
+    // If kappa grows, the surface rises in proportion to the height of the foot.
     out.by = {-n.x(), -n.y(), -n.z(), f.t * f.t / (2 * kappa_ * f.w)};
     out.curvature = meridian + parallel;
     out.metric_ratio = 1 + std::min(parallel * f.d, meridian * f.d);
@@ -46,7 +46,7 @@ class ParaboloidModel {
     Foot f;
     f.r = std::sqrt(q.x() * q.x() + q.y() * q.y());
     const double linear = 2 * (1 - kappa_ * q.z()), constant = 2 * kappa_ * f.r;
-    // Above the largest root, from where Newton's steps never pass it: the cubic is convex there.
+    // Starts above the largest root, which Newton's steps then never pass: the cubic is convex there.
     double t = std::cbrt(constant) + (linear < 0 ? std::sqrt(-linear) : 0);
     if (linear > 0) t = std::min(t, constant / linear);
     for (int k = 0; k < 60 && t > 0; ++k) {
@@ -64,8 +64,8 @@ class ParaboloidModel {
   double kappa_;
 };
 
-// lengths: the radius of curvature at the vertex, which is the centre; the axis leads into the cup.
-// The axis, then z linear in r^2.
+// lengths: the radius of curvature at the vertex, which is the centre; the axis leads into the cup. First the
+// axis is found, then z as a linear function of r^2.
 std::optional<GeometricParameters> start(const OrientedPoints& sample) {
   const AxisOfRevolution axis = linear_axis(sample);
   const Eigen::Matrix2Xd points = half_plane(sample, axis);
@@ -97,7 +97,7 @@ GeometricParameters support_frame(const GeometricParameters& n, const Vector3d& 
   return axis_frame(n, mean);
 }
 
-// r dr is linear in the second: the area of its unit is w.
+// r dr is linear in the second coordinate: a unit of it has the area w.
 SupportCoordinates coordinates(const GeometricParameters& n, const Vector3d& p) {
   const double r = std::hypot(p.x(), p.y());
   return {std::atan2(p.y(), p.x()), 0.5 * r * r, std::hypot(1, r / n.lengths[0])};

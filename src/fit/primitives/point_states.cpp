@@ -17,9 +17,9 @@ double root_mean_square_of_bias(const PointStates& points) {
 
 }  // namespace
 
-// The outliers' density is counted where it cannot be mistaken for the inliers', in windows (1 - x^2)^3 some
-// seven sigma to either side, with a tenth of a point more so that it is never zero. Sigma is found by
-// expectation and maximisation: two steps, and on to where they lead, as each gains about the same factor.
+// The outliers' density is counted where inliers do not contribute, in windows (1 - x^2)^3 some seven sigma
+// to either side, plus a tenth of a point so that it is never zero. Sigma is found by expectation and
+// maximisation: two steps, then an extrapolation to their limit, as each gains about the same factor.
 void update(Mixture& mixture, const PointStates& points, bool robust_phase) {
   constexpr double middle = 7, half_width = 3;
   // The windows' integral over that of exp(-r^2 / 2): 2 half_width 32 / 35 / sqrt(2 pi).
@@ -58,7 +58,7 @@ void update(Mixture& mixture, const PointStates& points, bool robust_phase) {
   mixture = twice;
   if (ratio > -0.8 && ratio < 0.8)
     mixture.sigma = std::max(mixture.sigma * std::exp(ratio / (1 - ratio) * second), mixture.least_sigma);
-  // The biases are those of the sigma before; they go with it, and the distances by as much.
+  // The biases belong to the previous sigma; they change with it, and the distances by the same amount.
   if (!mixture.sigma_known) mixture.sigma = std::max(mixture.sigma, root_mean_square_of_bias(points));
   count(mixture);
 }

@@ -1,7 +1,7 @@
-// What is known of each point at the current estimate of a primitive, and the mixture by it.
+// The state of each point at the current estimate of a primitive, and the mixture fitted to it.
 //
 // A point's distance d from the surface is N(sigma^2 H, sigma^2) for an inlier, H = (k1 + k2) / 2 at the foot
-// (isotropic noise moves the mean distance from a curved surface by that much): the residual of the mixture
+// (isotropic noise shifts the mean distance from a curved surface by that much). The residual of the mixture
 // is d - sigma^2 H.
 #pragma once
 
@@ -14,8 +14,8 @@ namespace darboux::fit {
 
 struct PointStates {
   std::vector<double> d, curvature;    // signed distance, k1 + k2
-  std::vector<double> bias;            // sigma^2 H: what the distance of an inlier is on average
-  std::vector<unsigned char> regular;  // not near where distances have a kink, which would hold the estimate
+  std::vector<double> bias;            // sigma^2 H: the mean distance of inliers
+  std::vector<unsigned char> regular;  // not near a kink of the distance, which would trap the estimate
   std::vector<unsigned char> in_support;
 
   explicit PointStates(std::size_t n) : d(n), curvature(n), bias(n, 0), regular(n, 1), in_support(n, 1) {}
@@ -29,8 +29,8 @@ inline double inlier_probability(double error, const Mixture& mixture) {
 }
 
 // The mixture at fixed distances. In the robust phase the outliers' density is relative to all points nearby,
-// so that a sigma that is too small grows. A mixture without outliers stays so. Sigma stays above the biases,
-// which the next one may take away.
+// so that too small a sigma grows. A mixture without outliers stays so. Sigma stays above the biases, which
+// the next sigma may remove.
 void update(Mixture& mixture, const PointStates& points, bool robust_phase);
 
 void update_bias(const Mixture& mixture, PointStates& points);

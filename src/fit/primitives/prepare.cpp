@@ -23,7 +23,7 @@ using Eigen::Vector3d;
 
 constexpr Eigen::Index tree_points = 3000, queries = 400;
 
-// Seven times as long as wide.
+// A shape about seven times as long as wide.
 constexpr double narrow = 0.02;
 
 std::optional<OrientedPoints> with_own_normals(const Matrix3Xd& cloud, const Matrix3Xd& normals,
@@ -43,8 +43,8 @@ std::optional<OrientedPoints> with_own_normals(const Matrix3Xd& cloud, const Mat
   return kept > 0 ? std::optional(own) : std::nullopt;
 }
 
-// The principal axes of a point and its neighbours, the point first; where these are not flat, of those of
-// them that are near one plane, so that outliers among them do not turn it.
+// The principal axes of a point and its neighbours, the point first. If these are not flat, only those near
+// one plane are used, so that outliers among them do not turn it.
 class LocalPlane {
  public:
   void fit(const Matrix3Xd& points, bool outliers, std::mt19937_64& random) {
@@ -55,13 +55,13 @@ class LocalPlane {
 
   Vector3d mean, normal;
   double flatness = 0;  // the least of the scatter's eigenvalues over the middle one
-  double width = 0;     // the middle one over the largest: little where all lie along a line
+  double width = 0;     // the middle one over the largest: small if all lie along a line
 
  private:
   // A neighbourhood of 20 degrees of a curve, and more where it is wide.
   static constexpr double flat = 0.03;
-  static constexpr Eigen::Index fewest = 6;  // of so few none can be spared
-  // Half of the neighbours on the surface: all pairs fail once in 75.
+  static constexpr Eigen::Index fewest = 6;  // with so few, none can be dropped
+  // If half of the neighbours lie on the surface, all pairs fail once in 75 cases.
   static constexpr int tries = 15;
 
   void set_axes(const Matrix3Xd& points) {
@@ -73,7 +73,7 @@ class LocalPlane {
     width = values[1] / std::fmax(values[2], 1e-300);
   }
 
-  // Of planes through the point and pairs of others, that to whose nearest three fifths it is the least way.
+  // Among planes through the point and pairs of others, finds the one whose nearest three fifths are closest.
   bool find_nearest(const Matrix3Xd& points, std::mt19937_64& random) {
     const Eigen::Index n = points.cols(), kept = std::max<Eigen::Index>(4, 3 * n / 5);
     double least = std::numeric_limits<double>::infinity();
@@ -118,7 +118,7 @@ OrientedPoints with_estimated_normals(const Matrix3Xd& cloud, bool outliers, std
   LocalPlane plane;
   for (Eigen::Index i = 0; i < m; ++i) {
     const Vec3<double>& at = chosen[static_cast<std::size_t>(i * n / m)];
-    // More neighbours where all lie in one row of a grid.
+    // More neighbours if all lie in one row of a grid.
     for (std::size_t count = fewest; count <= most; count *= 3) {
       nearest.resize(count);
       squares.resize(count);
@@ -133,7 +133,7 @@ OrientedPoints with_estimated_normals(const Matrix3Xd& cloud, bool outliers, std
     all.normals.col(i) = plane.normal;
     flatness.emplace_back(plane.flatness, i);
   }
-  // Of few points none can be spared.
+  // With few points, none can be dropped.
   const Eigen::Index kept = std::max<Eigen::Index>(2 * m / 3 + 1, 20);
   std::nth_element(flatness.begin(), flatness.begin() + std::min(kept, m - 1), flatness.end());
   OrientedPoints result{Matrix3Xd(3, std::min(kept, m)), Matrix3Xd(3, std::min(kept, m))};

@@ -1,4 +1,4 @@
-// What the search for surfaces begins with: points with normals.
+// The input of the search for surfaces: points with normals.
 #pragma once
 
 #include <random>
@@ -12,10 +12,10 @@ struct OrientedPoints {
   Eigen::Matrix3Xd points, normals;
 };
 
-// Points of the cloud with a normal each. The stored normals where there are any: as many columns as the
-// cloud, of any length, zero or not finite for none. Else from the principal axes of their neighbours, or of
-// those neighbours that are near one plane. Of these the two thirds with the flattest neighbourhoods are
-// kept, so that few are outliers; all where there are no more than 20.
+// Points of the cloud, each with a normal. Stored normals are used if there are any: one column per point, of
+// any length, zero or not finite for none. Else normals come from the principal axes of the neighbours, or of
+// those neighbours that are near one plane. Of these points, the two thirds with the flattest neighbourhoods
+// are kept, so that few are outliers; up to 20 points are all kept.
 OrientedPoints oriented_points(const Eigen::Matrix3Xd& cloud, const Eigen::Matrix3Xd& normals, bool outliers,
                                std::mt19937_64& random);
 

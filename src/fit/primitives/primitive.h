@@ -1,6 +1,6 @@
-// What a primitive states of itself. A primitive is a surface that is found in points without a guess, by
-// formulas of its own: one file, and one line in list.h. The skeleton (prepare, search, refine, select,
-// report) knows primitives by this record alone.
+// The record that describes a primitive: a surface that is found in points without a guess, by formulas of
+// its own. Each has one file, and one line in list.h. The skeleton (prepare, search, refine, select, report)
+// knows primitives only by this record.
 #pragma once
 
 #include <array>
@@ -22,17 +22,17 @@ namespace darboux::fit {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A primitive as people describe it. z of `axes` is the axis, which a primitive may direct.
+// A primitive as people describe it. z of `axes` is the axis; a primitive may define its direction.
 struct GeometricParameters {
   Vector3d centre = Vector3d::Zero();
   Matrix3d axes = Matrix3d::Identity();
   std::array<double, 3> lengths{};
 };
 
-// A primitive as it is estimated: x = origin + rotation * local, and its own parameters s there. Most have
-// one of their points at (0, 0, rho), with z along the inward normal and x along a principal direction.
-// Curvatures, not radii, are their parameters, so that a sphere may pass through the plane into the sphere of
-// the other side [Lukacs1998].
+// A primitive in the form in which it is estimated: x = origin + rotation * local, with its own parameters s.
+// Most have a surface point at (0, 0, rho), with z along the inward normal and x along a principal direction.
+// Their parameters are curvatures, not radii, so that a sphere may pass through a plane into a sphere on the
+// other side [Lukacs1998].
 struct LocalModel {
   static constexpr std::size_t most_parameters = 6;
   Vector3d origin = Vector3d::Zero();
@@ -46,21 +46,20 @@ struct NormalEquations {
   double squares = 0;
 };
 
-// robust: the weights are fixed.
-// score: the gradient is that of the likelihood: a root, found to the last digits, where differences of the
-// likelihood would drown in its rounding.
+// robust: the weights are fixed. score: the gradient is that of the likelihood. Its root can be found to the
+// last digits, where differences of the likelihood would drown in rounding.
 enum class Phase { robust, score };
 
-// What the sums over the points take from the estimate.
+// What the sums over the points need from the estimate.
 struct Weighting {
   Phase phase;
   const Mixture& mixture;
   const std::vector<double>& weights;  // in the robust phase
-  bool convex = false;  // the weighted squares in place of the likelihood, which may curve the wrong way
+  bool convex = false;                 // weighted squares in place of the likelihood, which may be non-convex
 };
 
-// What depends on the formula of the distance, over all points. See distance_model.h, which makes these of a
-// class with that formula.
+// The functions that depend on the formula of the distance, over all points. distance_model.h makes them from
+// a class with that formula.
 struct DistanceFunctions {
   int parameters;  // of the local model
   // Whether there is a surface with these parameters.
@@ -71,7 +70,7 @@ struct DistanceFunctions {
   void (*measure)(const Eigen::Matrix3Xd& cloud, const LocalModel& model, PointStates& states);
   // The points of the surface nearest to the cloud's, in the model's own coordinates.
   void (*foot_points)(const Eigen::Matrix3Xd& cloud, const LocalModel& model, Eigen::Matrix3Xd& to);
-  // Derivatives of the distances by (rotation vector, parameters), a row per point.
+  // Derivatives of the distances with respect to (rotation vector, parameters), a row per point.
   void (*jacobian)(const Eigen::Matrix3Xd& cloud, const LocalModel& model, Eigen::MatrixXd& to);
   // As `measure`, and the sums over (rotation vector, parameters).
   void (*accumulate)(const Eigen::Matrix3Xd& cloud, const LocalModel& model, const Weighting& weighting,
@@ -83,16 +82,16 @@ struct SupportCoordinates {
   double a, b, area;
 };
 
-// Coordinates over the whole surface, in which its support is sought.
+// Coordinates over the whole surface, used to find its support.
 struct SupportChart {
-  // The frame of the coordinates from the surface and the points' mean and scatter, so that a turned cloud
-  // gets the same cells.
+  // The frame of the coordinates, made from the surface and the points' mean and scatter, so that a turned
+  // cloud gets the same cells.
   GeometricParameters (*frame)(const GeometricParameters&, const Vector3d& mean, const Matrix3d& scatter);
   SupportCoordinates (*coordinates)(const GeometricParameters& frame, const Vector3d& point_in_frame);
   double range_a, range_b;  // the whole range of a coordinate that has one; 0 for a length
 };
 
-// Of the inliers along a direction, about the centre.
+// The extent of the inliers along a direction, about the centre.
 struct Extent {
   double low, high;
 };
@@ -107,7 +106,7 @@ struct CatalogueSurface {
   Eigen::MatrixXd by_lengths;  // derivatives of the parameters by GeometricParameters::lengths
 };
 
-// What of a primitive's axes the points can show.
+// Which of a primitive's axes the points can determine.
 enum class Orientation { none, axis, frame };
 
 struct Osculation;  // osculation.h
@@ -120,20 +119,20 @@ struct Primitive {
   bool second_parameter_is_curvature = false;
   Orientation orientation = Orientation::axis;
   bool is_plane = false;
-  bool slides_along_axis = false;  // into itself
-  bool radius_about_axis = false;  // its parallels bound its curvature
-  bool has_apex = false;           // a point without normal
-  bool only_where_lengths_agree =
-      false;        // other surfaces of this name exist: a fit by name is the catalogue's
-  int lengths = 0;  // how many are lengths, not angles
+  bool slides_along_axis = false;         // into itself
+  bool radius_about_axis = false;         // its parallels bound its curvature
+  bool has_apex = false;                  // a point without normal
+  bool only_where_lengths_agree = false;  // other surfaces have this name: fits by name use the catalogue
+  int lengths = 0;                        // how many are lengths, not angles
   std::array<std::string_view, 3> length_names{};
 
-  // The surface that fits a sample best in the sense of linear equations; nothing where they determine none.
+  // The surface that fits a sample best by linear equations; none if they do not determine one.
   std::optional<GeometricParameters> (*start)(const OrientedPoints& sample);
-  // As well, by equations that need no normals: neighbours in a grid may lie on one curve, and have none.
+  // Further starts, by equations without normals: neighbours in a grid may lie on one curve and give no
+  // normal.
   std::vector<GeometricParameters> (*starts_by_equation)(const Eigen::Matrix3Xd& sample) = nullptr;
-  // Surfaces from the points that are scored, where many are outliers, without normals: those tell little of
-  // a tube that is thin beside the noise.
+  // Surfaces from the scored points without normals, for many outliers: normals tell little about a tube that
+  // is thin compared with the noise.
   std::vector<GeometricParameters> (*starts_among_outliers)(const Eigen::Matrix3Xd& points,
                                                             std::mt19937_64& random) = nullptr;
   // The local model at the surface point nearest to `at`; an inverse of geometric(). Not finite where there
@@ -142,27 +141,27 @@ struct Primitive {
   GeometricParameters (*geometric)(const LocalModel&);
   SupportChart support;
   CatalogueSurface (*to_catalogue)(const GeometricParameters&, double scale, const ExtentAlong&);
-  // From the axes and origin of the catalogue's surface, and its parameters over the scale.
+  // Converts from the axes and origin of the catalogue's surface, and its parameters over the scale.
   GeometricParameters (*from_catalogue)(const GeometricParameters& placed);
-  // The (u, v) of the point nearest to p; nothing for other surfaces.
+  // The (u, v) of the point nearest to p; none for other surfaces.
   std::optional<Vec2<double>> (*foot)(const AnySurface&, const Vec3<double>& p);
 
-  // Why it is not told from its limits, going on after "is"; empty where it is.
+  // Why it cannot be told from its limits, as a text to follow "is"; empty if it can.
   std::string_view (*at_limit)(const GeometricParameters&, double deviation_of_first) = nullptr;
-  // Surfaces of its kind that are like another about one point, to second order; each may be a maximum of its
-  // own.
+  // Surfaces of its kind that agree with another surface about one point to second order; each may be a
+  // separate maximum.
   std::vector<GeometricParameters> (*osculating)(const Osculation&) = nullptr;
   // Whether it crosses itself, and so has two sheets near almost any point.
   bool (*crosses_itself)(const GeometricParameters&) = nullptr;
-  // How far a point is from either sheet, the nearer first, of a surface that crosses itself.
+  // For a surface that crosses itself: the distances of a point from both sheets, the nearer first.
   std::array<double, 2> (*sheets)(const GeometricParameters&, const Vector3d& point) = nullptr;
 };
 
-// The radius of the surface's tightest curve, about. \param at a point on it
+// The approximate radius of the surface's tightest curve. \param at a point on it
 double least_radius(const Primitive& primitive, const GeometricParameters& surface, const Vector3d& at);
 
-// Whether most points on it have its other sheet within the noise as well: then the sheets share out what is
-// noise about one, and explain the points too well.
+// Whether most points on it also have its other sheet within the noise. Then noise about one sheet is divided
+// between both, which explain the points too well.
 bool doubles_itself(const Primitive& primitive, const GeometricParameters& surface,
                     const Eigen::Matrix3Xd& cloud, double sigma);
 

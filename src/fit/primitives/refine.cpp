@@ -28,7 +28,7 @@ Vector3d turn_between(Orientation orientation, const Vector3d& axis, const Matri
     case Orientation::none:
       return Vector3d::Zero();
     case Orientation::axis:
-      return axis.cross(after.col(2) - before.col(2));  // a turn about it means nothing
+      return axis.cross(after.col(2) - before.col(2));  // a turn about the axis means nothing
     case Orientation::frame:
       break;
   }
@@ -36,7 +36,8 @@ Vector3d turn_between(Orientation orientation, const Vector3d& axis, const Matri
   return rotation.angle() * rotation.axis();
 }
 
-// Numerical derivatives of the geometric parameters by the local tangent, and so their covariance.
+// The covariance of the geometric parameters, from their numerical derivatives with respect to the local
+// tangent.
 Covariance geometric_covariance(const Primitive& primitive, const LocalModel& model,
                                 const Eigen::MatrixXd& covariance, const Vector3d& reference) {
   const int n = 3 + primitive.distance.parameters;
@@ -44,7 +45,7 @@ Covariance geometric_covariance(const Primitive& primitive, const LocalModel& mo
   const GeometricParameters centre = primitive.geometric(model);
   for (int k = 0; k < n; ++k) {
     double size = 1e-5;
-    // A curvature is stepped by a part of itself: radii may be large.
+    // The step of a curvature is relative: radii may be large.
     if (k == 4 && primitive.second_parameter_is_curvature) size *= std::min(1.0, std::fabs(model.s[1]));
     std::array<GeometricParameters, 2> moved;
     for (int side = 0; side < 2; ++side) {
@@ -67,8 +68,8 @@ Covariance geometric_covariance(const Primitive& primitive, const LocalModel& mo
   return by * covariance * by.transpose();
 }
 
-// All points: mixture, bias and support by what the last estimate says, then a step or two, until nothing
-// moves. The robust phase first, then the root of the likelihood's gradient.
+// Refines over all points: updates mixture, bias and support from the last estimate, then makes a step or
+// two, until nothing moves. First the robust phase, then the root of the likelihood's gradient.
 class Refinement {
  public:
   Refinement(const SearchProblem& problem, const Hypothesis& hypothesis)
@@ -100,7 +101,7 @@ class Refinement {
     fit.surface = primitive_.geometric(model_);
     fit.sigma = mixture_.sigma;
     fit.sigma_known = mixture_.sigma_known;
-    // Noise that is not seen does not dither.
+    // Unmeasurable noise does not dither.
     fit.rounding = mixture_.sigma > mixture_.least_sigma ? problem_.rounding : mixture_.least_sigma;
     fit.outliers = mixture_.outliers;
     fit.doubles_itself = doubles_itself(primitive_, fit.surface, problem_.cloud, fit.sigma);
@@ -113,15 +114,15 @@ class Refinement {
     return fit;
   }
 
-  // Of a fit that was refined.
+  // Only for refined fits.
   void add_covariance(PrimitiveFit& fit) const {
-    // Without the turn about the normal where that changes nothing.
+    // Leaves out the turn about the normal if that changes nothing.
     const int all = 3 + primitive_.distance.parameters;
     std::vector<int> free;
     for (int k = 0; k < all; ++k)
       if (primitive_.unknowns == all || k != 2) free.push_back(k);
     const auto [values, vectors] = symmetric_eigen(Eigen::MatrixXd(hessian_(free, free)));
-    // Below that is rounding: the turn of an ellipsoid of revolution would spoil what else is known.
+    // Smaller values are rounding: the turn of an ellipsoid of revolution would spoil everything else.
     const double rounding = std::max(0x1p-52 * values.maxCoeff(), 1e-300);
     const Eigen::VectorXd inverse = values.cwiseMax(rounding).cwiseInverse();
     fit.largest_deviation = std::sqrt(inverse[0]);
@@ -132,14 +133,13 @@ class Refinement {
   }
 
  private:
-  // False where it ended.
+  // \returns false at the end.
   bool step() {
     if (supports_ == 0) states_.in_support = states_.regular;
     update_bias(mixture_, states_);
     const Mixture mixture_before = mixture_;
     update(mixture_, states_, phase_ == Phase::robust);
-    if (mixture_.inliers < primitive_.unknowns &&
-        have_before_) {  // the last step went astray, in a long valley
+    if (mixture_.inliers < primitive_.unknowns && have_before_) {  // the last step failed, in a long valley
       model_ = before_;
       hessian_ = hessian_before_;
       mixture_ = mixture_before;
@@ -162,9 +162,9 @@ class Refinement {
     return decide(cost.first_step() / std::sqrt(mixture_.inliers), solved.moved);
   }
 
-  // What to do after a step from before_ whose first movement was this. False where it converged.
+  // Decides what to do after a step from before_ with this first movement. \returns false if it converged
   bool decide(double movement, bool moved) {
-    // Rounding of the distances moves the surface by 1e-14 at most.
+    // Rounding of the distances moves the surface by at most 1e-14.
     const double standard_error = mixture_.sigma * std::sqrt(primitive_.unknowns / mixture_.inliers);
     const bool small = movement <= 3 * standard_error + 1e-14;
     since_support_ += movement / (standard_error + 1e-14);
@@ -185,7 +185,7 @@ class Refinement {
       near_ *= 1e-3;
     }
     if (phase_ == Phase::robust && movement <= near_ * standard_error + 1e-14) phase_ = Phase::score;
-    // At the bottom of a long valley, as far as roundings let one step.
+    // At the bottom of a long valley, as far as rounding permits steps.
     without_a_step_ = moved || phase_ == Phase::score ? 0 : without_a_step_ + 1;
     return without_a_step_ < 4;
   }
@@ -202,8 +202,8 @@ class Refinement {
   int supports_ = 0, iterations_ = 0, without_a_step_ = 0;
   // Movements since the support was last found, in standard errors.
   double since_support_ = std::numeric_limits<double>::infinity();
-  // How near the root is sought, in standard errors. A root that cannot be stepped to is left to the robust
-  // phase.
+  // How near to the root the search must end, in standard errors. A root that cannot be reached is left to
+  // the robust phase.
   double near_ = 1;
   bool converged_ = false, have_before_ = false;
 };
@@ -225,7 +225,7 @@ PrimitiveFit with_all_points(const SearchProblem& problem, Hypothesis hypothesis
 }  // namespace
 
 PrimitiveFit refine(const SearchProblem& problem, const Hypothesis& hypothesis, bool give_up) {
-  // Among more points, whose noise is one, no part lies so close to a surface by chance.
+  // In larger sets with uniform noise, no part lies this close to a surface by chance.
   constexpr std::size_t few_points = 100;
   Refinement refinement(problem, hypothesis);
   if (!give_up) refinement.run();
@@ -237,8 +237,8 @@ PrimitiveFit refine(const SearchProblem& problem, const Hypothesis& hypothesis, 
   if (problem.sigma || fit.error.size() > few_points || count_inliers(fit) == std::ssize(fit.error))
     return fit;
   // The likelihood of a mixture has a second maximum where a part of the points, up to half, lies close to
-  // one surface by chance: that is taken for the noise, and the others for outliers. Outliers must make the
-  // points likelier than noise alone does.
+  // one surface by chance: their distances are taken for the noise, and the other points for outliers. So
+  // outliers are assumed only if they make the points likelier than noise alone does.
   PrimitiveFit all = with_all_points(problem, hypothesis, fit);
   all.iterations += fit.iterations;
   return log_likelihood_ratio(fit) - log_likelihood_ratio(all) > 0.5 * margin ? fit : all;

@@ -11,10 +11,10 @@ namespace darboux::fit {
 
 using Covariance = Eigen::Matrix<double, 9, 9>;
 
-// A surface with its uncertainty and what it says of every point.
+// A surface with its uncertainty and its residual at every point.
 struct PrimitiveFit {
   const Primitive* primitive;
-  bool given_up = false;  // as another kind explains far more; then only measured
+  bool given_up = false;  // another kind explains far more; only measured, not refined
   bool converged = false;
   GeometricParameters surface;
   double sigma = 0, outliers = 0;  // see fit/common/mixture.h

@@ -16,7 +16,7 @@ double rms_of(const PrimitiveFit& fit, const std::vector<bool>& is_inlier);
 
 // How well the noise is known.
 struct NoiseKnowledge {
-  double squared_factor;      // the distances are smaller than the noise, as the unknowns took some of it up
+  double squared_factor;      // distances are smaller than the noise, part of which the unknowns absorb
   double degrees_of_freedom;  // infinite where the noise was given
 };
 

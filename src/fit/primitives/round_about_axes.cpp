@@ -79,7 +79,7 @@ std::vector<RoundAboutAxis> round_about_axes(const Eigen::Matrix3Xd& sample, boo
   std::vector<Vector3d> begun;
   for (RoundAboutAxis best : tried) {
     if (begun.size() == refined) break;
-    // Beside a better one it leads to the same minimum.
+    // Next to a better direction it leads to the same minimum.
     if (std::any_of(begun.begin(), begun.end(),
                     [&](const Vector3d& b) { return near(b, best.axis, 2 * spacing); }))
       continue;

@@ -1,5 +1,5 @@
-// Cylinders and cones by linear equations in every direction of the axis, without normals: points of a few
-// circles, as measuring machines take them, have neighbours along one curve only, which show none.
+// Cylinders and cones by linear equations for every direction of the axis, without normals: points on a few
+// circles, as measuring machines take them, have neighbours along one curve only, which determine no normal.
 #pragma once
 
 #include <vector>
@@ -13,11 +13,11 @@ namespace darboux::fit {
 struct RoundAboutAxis {
   Vector3d centre, axis;  // a point of the axis, where z = 0
   double radius, slope;   // alpha, beta
-  double residual;        // root mean square of the equation's over twice the radius: about the distance
+  double residual;        // rms of the equation's residual over twice the radius: about the distance
 };
 
-// The local minima of the residual over all directions, the least first, at most four of them. Points are
-// some hundred of the sample at most. \param tapers whether beta is sought
+// The local minima of the residual over all directions, the least first, at most four of them. At most some
+// hundred points of the sample are used. \param tapers whether beta is estimated
 std::vector<RoundAboutAxis> round_about_axes(const Eigen::Matrix3Xd& sample, bool tapers);
 
 }  // namespace darboux::fit

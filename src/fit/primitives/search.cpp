@@ -27,13 +27,13 @@ constexpr int refined_starts = 4, most_rounds = 8;
 constexpr double alike = 12;
 constexpr std::size_t most_alike = 3;
 
-// Behind all that are not refused.
+// Penalty that ranks refused surfaces behind all others.
 constexpr double refusal = 1e6;
 
-// How well distances look like a narrow band of inliers among outliers of constant density, without knowing
-// how narrow: the log likelihood of k of n points spread evenly over |d| < band and the others over
+// Scores how well distances match a narrow band of inliers, of unknown width, among outliers of constant
+// density: the log likelihood of k of n points spread evenly over |d| < band and the others over
 // range_of_outliers(), at the best band. As many points as the surface has unknowns may lie on it because it
-// was laid through them: they count for nothing. Bands are a factor of the square root of two apart.
+// was made to pass through them, so they do not count. Bands are a factor of the square root of two apart.
 class Scorer {
  public:
   Scorer(const Matrix3Xd& cloud, const Primitive& primitive)
@@ -94,7 +94,7 @@ void keep_best(std::vector<Candidate>& candidates, std::ptrdiff_t most) {
   candidates.erase(end, candidates.end());
 }
 
-// The inlier nearest to the middle of all, where there is one.
+// The inlier nearest to the middle of all, if there is one.
 std::optional<Vector3d> middle_inlier(const Matrix3Xd& part, const std::vector<double>& weights) {
   const Eigen::Map<const Eigen::VectorXd> w(weights.data(), part.cols());
   if (!(w.sum() > 0)) return std::nullopt;
@@ -116,7 +116,7 @@ int descend(const Primitive& primitive, const Matrix3Xd& part, Candidate& candid
   PointStates states(static_cast<std::size_t>(part.cols()));
   std::vector<double> weights;
   int iterations = 0;
-  // Kept from round to round: in a curved valley a round may only find that its steps are too long.
+  // Kept from round to round: in a curved valley, a round may only show that its steps are too long.
   double trust = wide_trust;
   for (int round = 0; round < 25; ++round) {
     primitive.distance.measure(part, candidate.model, states);
@@ -130,7 +130,7 @@ int descend(const Primitive& primitive, const Matrix3Xd& part, Candidate& candid
     iterations += solved.iterations;
     trust = std::min(solved.trust, wide_trust);
     const double inliers = std::accumulate(weights.begin(), weights.end(), 0.0);
-    // What is left is small beside what so few points leave open.
+    // The remaining movement is small compared with the uncertainty from so few points.
     if (cost.first_step() <= 0.3 * mixture.sigma * std::sqrt(primitive.unknowns) + 1e-14 * std::sqrt(inliers))
       break;
   }
@@ -152,8 +152,8 @@ bool crosses_itself_unasked(const SearchProblem& problem, const Primitive& primi
   return !problem.may_cross_itself && primitive.crosses_itself && primitive.crosses_itself(surface);
 }
 
-// Surfaces through random samples, each with its score; first also what does not depend on chance, the guess
-// and the starts by equations. The best of them.
+// The best of surfaces through random samples, with their scores. The first time also those not due to
+// chance: the guess and the starts by equations.
 std::vector<Candidate> starts(const SearchProblem& problem, const Primitive& primitive, bool is_first,
                               const Matrix3Xd& scored, int repeat, std::ptrdiff_t most,
                               std::mt19937_64& random) {
@@ -229,7 +229,7 @@ Search::Search(const SearchProblem& problem, const Primitive& primitive)
 }
 
 void Search::look() {
-  // Few points are cheap to try more often, and may be all there is. Few points have many maxima.
+  // With few points, tries are cheap, and the likelihood has many maxima: try more often.
   const auto repeat = static_cast<int>(std::min<Eigen::Index>(scored_points / scored_.cols(), 10));
   const bool thorough = problem_.effort == Effort::full;
   const int followed = (thorough && repeat > 1 ? 5 * repeat : repeat) * refined_starts;

@@ -1,5 +1,5 @@
-// Where a primitive may lie: surfaces through small random samples, the best of them descended to a maximum
-// of the likelihood over part of the points.
+// Searches for a primitive: surfaces through small random samples, of which the best descend to a maximum of
+// the likelihood over part of the points.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace darboux::fit {
 
-// What is asked of the search: points that are centred and scaled to size 1.
+// The problem of a search: points that are centred and scaled to size 1.
 enum class Effort {
   full,
   plain  // for points that lie on the surface to rounding, or on none: such a surface is found at once
@@ -30,7 +30,7 @@ struct SearchProblem {
   std::uint64_t seed;
   Effort effort;
   std::function<void(double)> progress;  // with the share of the work that is done, 0 to 1
-  bool may_cross_itself = true;          // whether a surface that does is looked for
+  bool may_cross_itself = true;          // whether surfaces that cross themselves are searched for
   double least_sigma = Mixture{}.least_sigma;
   double rounding = 0;  // see NormalisedPoints
 };
@@ -40,7 +40,7 @@ struct Hypothesis {
   const Primitive* primitive;
   double log_likelihood_ratio;  // over points spread evenly; see search.cpp
   GeometricParameters surface;
-  Vector3d at;  // a point of it, next to inliers
+  Vector3d at;  // a point of it, near inliers
   Mixture mixture;
   int iterations = 0;  // of Ceres
 };
@@ -53,11 +53,11 @@ struct Candidate {
   LocalModel model;
   Score score;
   Mixture mixture{};
-  bool refused = false;  // in the end, however likely: see determinacy()
+  bool refused = false;  // will be refused in the end, however likely: see determinacy()
   double share_of_inliers = 0;
 };
 
-// Whether the normals are near one direction: a small patch, which surfaces of several kinds are like.
+// Whether the normals are near one direction: on a small patch, surfaces of several kinds look alike.
 bool covers_little(const OrientedPoints& points);
 
 // The search for one primitive, in rounds.
@@ -68,25 +68,26 @@ class Search {
   const Primitive& primitive() const { return primitive_; }
   // Descends from the best of some new starts.
   void look();
-  // And, where that is not settled, from one that the primitive knows to find beside many outliers.
+  // Also, if not settled, from one that the primitive can find among many outliers.
   void look_among_outliers();
-  // Whether the best surface was met so often, from different starts, that others need not be looked for.
+  // Whether the best surface was reached so often, from different starts, that the search can end.
   bool is_settled() const { return agreeing_ >= enough_; }
   int rounds() const { return round_; }
   // Whether another round may help.
   bool is_open() const { return !is_settled() && round_ < rounds_; }
-  // Of the best surface, over points spread evenly; of one that will be refused where there is no other.
+  // The log likelihood ratio of the best surface over points spread evenly; of a refused one if there is no
+  // other.
   double log_likelihood_ratio() const;
   // Whether there is one that will not be refused.
   bool has_surface() const;
-  // Of the best surface, 0 where that will be refused.
+  // The share of inliers of the best surface, 0 if that will be refused.
   double share_of_inliers() const;
-  // What the best surface is like in the middle of its points.
+  // The local shape of the best surface in the middle of its points.
   std::optional<Osculation> osculation() const;
-  // Descends from surfaces that are like that, of a primitive that knows such.
+  // Descends from surfaces with that local shape, if the primitive can construct them.
   void look_like(const Osculation& o);
-  // The best, and beside it others that part of the points cannot tell from it: surfaces that are alike on a
-  // small patch. Empty where no start led to a surface.
+  // The best surface, and others that part of the points cannot distinguish from it, such as surfaces that
+  // are alike on a small patch. Empty if no start led to a surface.
   std::vector<Hypothesis> hypotheses() const;
 
  private:
@@ -100,8 +101,8 @@ class Search {
   std::mt19937_64 random_;
   Eigen::Matrix3Xd scored_, part_;
   std::optional<Candidate> best_;
-  std::vector<Candidate> likely_;  // surfaces that were met, none that will be refused
-  // How many starts led to the best surface, none where that will be refused; and how many are enough.
+  std::vector<Candidate> likely_;  // surfaces reached, without those that will be refused
+  // How many starts led to the best surface (0 if that will be refused), and how many are enough.
   int agreeing_ = 0, enough_ = 1;
   int round_ = 0, rounds_ = 1, iterations_ = 0;
 };

@@ -15,11 +15,11 @@
 namespace darboux::fit {
 namespace {
 
-// Twice the negative log likelihood of one candidate on another's footing: noise, outliers' density and
-// support, so that only the distances differ.
+// Twice the negative log likelihood of one candidate with the noise, outliers' density and support of another
+// (the footing), so that only the distances differ.
 double deviance(const PrimitiveFit& f, const PrimitiveFit& footing) {
   const double sigma = std::max(noise_and_rounding(footing), exact);
-  // A density over that of the inliers at their middle.
+  // The outliers' density over that of the inliers at their middle.
   const double outliers = footing.outliers * sigma / std::max(footing.sigma, exact);
   double likelihood = 0;
   for (std::size_t i = 0; i < f.error.size(); ++i) {
@@ -36,15 +36,15 @@ double price(const PrimitiveFit& footing) {
       1.0, static_cast<double>(std::count(footing.in_support.begin(), footing.in_support.end(), 1))));
 }
 
-// By how much `a` is better than `b`, at least and at most: on the footing of the one and of the other. Each
-// chose its own support, and fits the outliers in it.
+// By how much `a` is better than `b`, at least and at most: with the footing of either. Each chose its own
+// support, and fits the outliers in it.
 std::pair<double, double> advantage(const PrimitiveFit& a, const PrimitiveFit& b) {
   return std::minmax(deviance(b, a) - deviance(a, a), deviance(b, b) - deviance(a, b));
 }
 
-// Whether the points that both take for inliers speak for `a`, or it has a tenth more inliers. A surface that
-// is bent towards outliers beside a strip of points takes some more of them for inliers. That makes it
-// likelier, but no nearer to the other points.
+// Whether the points that both take for inliers support `a`, or it has a tenth more inliers. A surface that
+// bends towards outliers beside a strip of points takes a few more of them for inliers. That makes it
+// likelier, but not nearer to the other points.
 bool is_told_by_inliers(const PrimitiveFit& a, const PrimitiveFit& b) {
   constexpr double many_more = 0.1;
   const std::vector<bool> in_a = inliers_of(a), in_b = inliers_of(b);
@@ -60,19 +60,19 @@ bool is_told_by_inliers(const PrimitiveFit& a, const PrimitiveFit& b) {
          static_cast<double>(more) > many_more * static_cast<double>(of_b);
 }
 
-// Of a fit with its own noise and outliers. Points are counted whole: the shares of a thousand points that
-// are almost certain inliers would add up to outliers.
+// The evidence of a fit with its own noise and outliers. Points count whole: the small outlier probabilities
+// of a thousand almost certain inliers would add up to outliers.
 double evidence(const PrimitiveFit& f) {
   return log_likelihood_ratio(static_cast<double>(count_inliers(f)), static_cast<double>(f.error.size()),
                               f.sigma, f.primitive->unknowns);
 }
 
-// A kind that is the limit of another. The other always fits as well; how far it may be from that limit is
-// what decides.
+// A kind that is the limit of another (the outer kind). The outer kind always fits at least as well; what
+// decides is how far from the limit it may be.
 struct Nesting {
   std::string_view inner, outer;
-  double most;  // beyond, the outer kind is another thing
-  // How far from the limit the points allow the outer kind to be.
+  double most;  // beyond, the outer kind is clearly different
+  // How far from the limit the outer kind may be, according to the points.
   double (*departure)(const PrimitiveFit& outer);
 };
 
@@ -98,15 +98,15 @@ double curvature_along(const PrimitiveFit& f) {
   return ratio * ratio * (1 + 2 * most_deviations(f) * deviation(f, longest) / sorted[2]);
 }
 
-// How fast it closes: 1 over the longest semi-axis, whose ends look like paraboloids.
+// How fast an ellipsoid closes: 1 over the longest semi-axis, whose ends look like paraboloids.
 double closing(const PrimitiveFit& f) {
   const auto longest = static_cast<std::size_t>(
       std::max_element(f.surface.lengths.begin(), f.surface.lengths.end()) - f.surface.lengths.begin());
   return 1 / least_length(f, longest);
 }
 
-// The lesser of its curvatures over the greater, on the side that the points may be on: the tube's outside,
-// long about the ring, or the inside of the hole, long about the tube.
+// The smaller of its curvatures over the greater, on the side where the points may be: the tube's outside,
+// elongated about the ring, or the inside of the hole, elongated about the tube.
 double curvature_across(const PrimitiveFit& f) {
   const double ring = f.surface.lengths[0], tube = f.surface.lengths[1];
   const auto& c = f.covariance;
@@ -131,8 +131,8 @@ const Nesting* nesting(const PrimitiveFit& inner, const PrimitiveFit& outer) {
   return nullptr;
 }
 
-// By how much a kind must be better than its limit. Outliers may lie on a surface that joins smoothly, as the
-// ends of a capsule do: those nearest to the edge bend the surface towards them.
+// By how much a kind must be better than its limit. Outliers may lie on a surface that joins smoothly, such
+// as the ends of a capsule: those nearest to the edge bend the fitted surface towards them.
 double clear_of_limit(const PrimitiveFit& f) {
   constexpr double part = 0.1;  // of the noise's square, by each of them: five times what capsules showed
   return std::max(margin,
@@ -140,7 +140,7 @@ double clear_of_limit(const PrimitiveFit& f) {
 }
 
 // Whether the other explains nearly all points to a hundredth of their size, and this one far fewer: then
-// what this one takes for outliers lies on the other. One of two circles is a plane's.
+// this one's outliers lie on the other. For example, one of two circles lies on a plane.
 bool holds_the_outliers(const PrimitiveFit& other, const PrimitiveFit& f) {
   constexpr double few = 0.7, nearly_all = 0.95, small = 0.01;
   const auto all = static_cast<double>(f.error.size());
@@ -189,7 +189,7 @@ std::string either(const PrimitiveFit& a, const PrimitiveFit& b, double scale) {
   return text;
 }
 
-// The kind with the smallest criterion, where nothing speaks for another.
+// The kind with the smallest criterion, unless something supports another.
 Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determinacy>& determinacies,
               const std::vector<std::size_t>& best_first, double scale) {
   const auto is = [&](Determinacy::Kind kind) {
@@ -218,21 +218,22 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
     if (holds_outliers) return undetermined(true, help);
     const Nesting* nested = nesting(chosen, other);
     const bool is_unproven = determinacies[i].kind == Determinacy::Kind::unproven;
-    // A surface of few of the points says little of them, and one with more unknowns than half of the chosen
-    // one's points, and one more, fits any. The noise of others is unproven too: the chosen one's is taken.
+    // A surface that explains few of the points is no rival, nor is one with so many unknowns that it fits
+    // any points: more than half of the chosen one's points plus one. The noise of others is unproven too, so
+    // the chosen one's is used.
     if (is_unproven && (!explains_enough(other) || count_inliers(chosen) + 2 < 2 * other.primitive->unknowns))
       continue;
     auto [least, most] = advantage(chosen, other);
     if (is_unproven) least = deviance(other, chosen) - deviance(chosen, chosen);
-    // Better, but it is no surface that could be given.
+    // It is better, but is not a surface that could be returned.
     if (!is_unproven &&
         most + price(chosen) * (other.primitive->unknowns - chosen.primitive->unknowns) < -margin)
       return undetermined(false, ": the points speak for " + with_article(tried[i].primitive->name) +
                                      ", which " + determinacies[i].why);
     if (!nested) {
-      // Every kind has the plane as a limit; sphere and cylinder show what the points allow. A kind is no
-      // rival if it explains too few of the points to be the answer, or has far more noise and is far less
-      // likely even so: on its footing the chosen one's lead hardly counts.
+      // Every kind has the plane as a limit; sphere and cylinder show how far from it the points allow them
+      // to be. A kind is no rival if it explains too few of the points to be the answer, or if it has far
+      // more noise and is still far less likely: on its footing the chosen one's lead hardly counts.
       constexpr double far_less_likely = 100;
       const bool is_none =
           other.primitive != chosen.primitive &&

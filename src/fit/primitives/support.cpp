@@ -38,16 +38,16 @@ Moments moments(const std::vector<NearPoint>& near, const Eigen::Matrix3Xd& clou
   return m;
 }
 
-// The value up to which the sorted (value, weight) weigh so much.
+// The value up to which the sorted (value, weight) pairs have this total weight.
 double weighted_quantile(const std::vector<std::pair<double, double>>& sorted, double weight) {
   for (const auto& [value, w] : sorted)
     if ((weight -= w) <= 0) return value;
   return sorted.back().first;
 }
 
-// The cells along one coordinate, `count` over where the points lie: the middle 70 % of them, and as much
-// more as evenly spread ones have beyond. An angle counts from where most are, and the whole turn is taken
-// where nearly all of it is.
+// The cells along one coordinate, `count` of them over the range of the points: that of the middle 70 %,
+// extended as for evenly spread points. Angles are counted from where most points are, and the range is the
+// whole turn if it is nearly all of it.
 class Cells {
  public:
   Cells(const std::vector<NearPoint>& near, double SupportCoordinates::*coordinate, double range,
@@ -117,8 +117,8 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
   }
   if (densities.empty()) return;
   std::sort(densities.begin(), densities.end());
-  // A clump: cells twice as dense as where a third of the points are, with distances that are not the others'
-  // noise, nor roundings, and cells beside it whose distances are wider too.
+  // A clump: cells twice as dense as those of the sparsest third of the points, whose distances are neither
+  // the others' noise nor rounding; adjoining cells with wider distances belong to it too.
   const double sparse = weighted_quantile(densities, 0.3 * total),
                variance = variances.empty() ? std::numeric_limits<double>::infinity()
                                             : std::fmax(median(variances), least_sigma * least_sigma);
@@ -155,7 +155,7 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
   }
 }
 
-// Where there are too few for cells: by the distance within which the others weigh `enough`.
+// For too few points for cells: uses the distance within which the other points weigh `enough`.
 void keep_points_with_neighbours(const Eigen::Matrix3Xd& cloud, const std::vector<NearPoint>& near,
                                  double total, double least_sigma, PointStates& states) {
   constexpr double enough = 4,
@@ -175,7 +175,8 @@ void keep_points_with_neighbours(const Eigen::Matrix3Xd& cloud, const std::vecto
   }
   auto sorted = reach;
   std::sort(sorted.begin(), sorted.end());
-  // A clump: points within two fifths of the distance that the sparser third have, again wider than noise.
+  // A clump: points with a reach below two fifths of that of the sparsest third, with distances wider than
+  // noise.
   const double sparse = weighted_quantile(sorted, 0.7 * total);
   const auto is_dense = [&](std::size_t k) { return reach[k].first < 0.16 * sparse; };
   double count[2]{}, squares[2]{};

@@ -1,5 +1,5 @@
-// Which part of an unbounded surface the points cover: outliers on its continuation have high leverage, and
-// nothing else reveals them.
+// Finds the part of an unbounded surface that the points cover: outliers on its continuation have high
+// leverage, and nothing else reveals them.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,8 +8,8 @@
 
 namespace darboux::fit {
 
-// Sets states.in_support. The surface is cut into cells; a cell keeps its points where their density is at
-// least 0.3 of the median one, over the points. Few points: fewer cells, or none.
+// Sets states.in_support. The surface is cut into cells. A cell keeps its points if their density is at least
+// 0.3 of the median density over the points. Few points get fewer cells, or none.
 void find_support(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
                   const GeometricParameters& surface, const Mixture& mixture, PointStates& states);
 

@@ -75,7 +75,7 @@ class TorusModel {
   double centre_, kappa_, major_, sine_, cosine_;
 };
 
-// lengths: major and minor radius. The axis, then a circle in the half-plane.
+// lengths: major and minor radius. First the axis is found, then a circle in the half-plane.
 std::optional<GeometricParameters> start(const OrientedPoints& sample) {
   const AxisOfRevolution axis = linear_axis(sample);
   const auto circle = linear_circle(half_plane(sample, axis));
@@ -85,8 +85,8 @@ std::optional<GeometricParameters> start(const OrientedPoints& sample) {
                         {std::fmax(circle->centre.x(), 0), circle->radius}});
 }
 
-// The cyclide of Darboux that fits best, |x|^4 + |x|^2 b x + x Q x + c x + d = 0, of which a torus about o is
-// one: b = -4 o, and about o the quadratic part is 4 R^2 a a - 2 (R^2 + r^2).
+// The Darboux cyclide |x|^4 + |x|^2 b x + x Q x + c x + d = 0 that fits best. A torus about o is one: b = -4
+// o, and about o the quadratic part is 4 R^2 a a - 2 (R^2 + r^2).
 std::vector<GeometricParameters> starts_by_equation(const Eigen::Matrix3Xd& sample) {
   constexpr Eigen::Index coefficients = 14;
   if (sample.cols() < coefficients) return {};
@@ -132,9 +132,9 @@ std::optional<Circle3> circle_through(const Vector3d& a, const Vector3d& b, cons
   return Circle3{a + from_a, normal / std::sqrt(square), from_a.norm(), 0};
 }
 
-// How many points a tube about a circle holds, by their sorted distances from it: k of n within a distance
-// are likeliest where k log(k / volume of that tube) + (n - k) log((n - k) / what is left) is largest. The
-// three that the circle was laid through count for nothing.
+// How many points lie in a tube about a circle, from their sorted distances: the likeliest k of n maximises k
+// log(k / volume of the tube) + (n - k) log((n - k) / remaining volume). The three points through which the
+// circle was made do not count.
 std::size_t count_in_tube(const std::vector<double>& sorted, double circle_radius, double volume) {
   double best = 0;
   std::size_t count = 0;
@@ -150,14 +150,15 @@ std::size_t count_in_tube(const std::vector<double>& sorted, double circle_radiu
   return count;
 }
 
-// Circles that many points are near: through three points, then in a few rounds that of the points in the
-// likeliest tube about it. The tube's radius is the median of their distances from the last but one.
+// Circles with many points nearby: first through three points, then for a few rounds the circle through the
+// points in the likeliest tube about the last one. The tube's radius is the median of their distances from
+// the last circle but one.
 std::vector<GeometricParameters> starts_among_outliers(const Eigen::Matrix3Xd& all_points,
                                                        std::mt19937_64& random) {
   constexpr int circles = 60, rounds = 4;
   constexpr Eigen::Index enough = 200;
   const Eigen::Matrix3Xd points = all_points(Eigen::all, evenly_chosen(all_points.cols(), enough, random));
-  // Of a ball that holds nine tenths of them: some may be far.
+  // From a ball with nine tenths of the points: some may be far.
   const Vector3d mean = points.rowwise().mean();
   std::vector<double> from_mean;
   for (const auto& p : points.colwise()) from_mean.push_back((p - mean).norm());
@@ -230,9 +231,10 @@ GeometricParameters geometric(const LocalModel& m) {
           {m.s[2], 1 / m.s[1]}};
 }
 
-// What a small patch or a thin strip may be. A patch: tori with these principal curvatures. Either is that of
-// the tube, 1 / r; the other is cos(phi) / (R + r cos(phi)) at the angle phi of the tube, and so gives phi
-// for any R, and R for phi on either equator. A strip: tori about the axis of its circle, with this normal.
+// Tori that a small patch or a thin strip may belong to. A patch: tori with these principal curvatures. One
+// of them is that of the tube, 1 / r. The other is cos(phi) / (R + r cos(phi)) at the angle phi of the tube,
+// which gives phi for any R, and R for phi on either equator. A strip: tori about the axis of its circle,
+// with this normal.
 std::vector<GeometricParameters> osculating(const Osculation& o) {
   std::vector<GeometricParameters> result;
   const auto add = [&](const Vector3d& outward, const Vector3d& across, double phi, double major,

@@ -25,25 +25,25 @@
 namespace darboux {
 namespace {
 
-// Whether every surface of the kind is one of the other, which is then at least as likely, and no rival.
+// Whether every surface of the kind is also one of `other`, which is then at least as likely, and no rival.
 bool is_case_of(const UvKind& kind, const UvKind& other) {
   return kind.name == "sphere" && other.name == "ellipsoid";
 }
 
-// Points that choose the start, and kind and convention.
+// Numbers of points used to choose the start, and to choose kind and convention.
 constexpr std::size_t start_points = 256, trial_points = 1024;
 
-// Beyond so many times the typical distance from the middle, of the positions or of the uvs, a point starts
-// nothing.
+// Points beyond so many times the typical distance from the middle, of positions or of uvs, are not used for
+// starts.
 constexpr double far = 20;
 
-// Differences of log-likelihood, and of the information criterion, that decide. 5: odds of 148 to 1.
+// Differences of log likelihood, and of the information criterion, that decide. 5 means odds of 148 to 1.
 constexpr double decisive = 5, least_bic_margin = 2 * decisive;
 
 struct Data {
   fit::NormalisedPoints all, trial, few;
   std::optional<double> noise;  // in units of the points
-  Vec2<double> values{1, 1};    // different ones of u, of v
+  Vec2<double> values{1, 1};    // number of different values of u, of v
 };
 
 // One kind with the best of its conventions, fitted to the trial points, later to all.
@@ -54,7 +54,7 @@ struct Trial {
   double log_likelihood;
   bool converged;
   int iterations;
-  double compared = log_likelihood;  // with that of others: see compare_as_rounded
+  double compared = log_likelihood;  // log likelihood for comparisons: see compare_as_rounded
 
   int parameters() const { return model.columns() + 2; }
   double bic(double points) const {
@@ -110,7 +110,7 @@ Vec2<double> count_values(const std::vector<Vec2<double>>& uvs) {
   return {count(&Vec2<double>::x), count(&Vec2<double>::y)};
 }
 
-// What can be said of the points before any surface; empty when there is nothing against them.
+// Why the points cannot be fitted by any surface; empty if they can.
 std::string prepare(const PointCloud& cloud, const PointFitOptions& options, Data& data) {
   data.all = fit::normalised(cloud, true);
   const fit::NormalisedPoints& all = data.all;
@@ -165,15 +165,15 @@ std::optional<AnySurface> surface_of(const Trial& trial, double size) {
   try {
     return make_surface(trial.model.kind->name).with(values);
   } catch (const ParameterError&) {
-    return std::nullopt;  // out of range, or values that do not go together
+    return std::nullopt;  // out of range, or values that contradict each other
   }
 }
 
-// Beyond so much noise, in units of the inliers' extent, a fit has found nothing; above the other one,
-// perhaps too little.
+// In units of the inliers' extent: with more noise than most_noise, a fit has found nothing; with more than
+// much_noise, perhaps too little.
 constexpr double most_noise = 0.2, much_noise = 0.06;
 
-// The points' extent explained.
+// Whether the fit explains the points' extent.
 bool explains(const Trial& trial, double noise = most_noise) {
   const double extent = 0.5 * std::cbrt(trial.mixture.volume / (4.0 / 3 * std::numbers::pi));
   return trial.mixture.sigma < noise * extent && trial.mixture.share < 0.7;
@@ -204,8 +204,8 @@ double least_median(const std::vector<UvStart>& starts) {
   return least;
 }
 
-// A start several times worse than the best is another convention's, or another kind's; that of a kind with
-// shape parameters is only near.
+// A start several times worse than the best belongs to another convention or kind; for a kind with shape
+// parameters, starts are only approximate.
 KindTrials try_conventions(const Data& data, const fit::NormalisedPoints& image, ConventionStarts starts,
                            double best) {
   KindTrials result;
@@ -260,10 +260,10 @@ Vec2<double> moved_by_uvs(const PlacedSurface& surface, const Data& data, double
   return {std::sqrt(squares.x / values) / data.all.scale, std::sqrt(squares.y / values) / data.all.scale};
 }
 
-// The noise, and roundings that points share. Uvs have no noise that could dither theirs, but as many errors
-// as there are values. Few digits may also be exact, as 0.05 is of a grid: then the points are much nearer to
-// the surface than roundings of so many digits would leave them. Roundings are at most the noise that is
-// found: the greatest may be that of few numbers.
+// The noise together with rounding that points share. Uvs have no noise that could dither their rounding, but
+// as many errors as there are values. Numbers with few digits may be exact, such as 0.05 in a grid: then the
+// points are much nearer to the surface than rounding to so many digits would leave them. Rounding is at most
+// the estimated noise: the greatest error may be that of few numbers.
 double noise_and_rounding(const Trial& trial, const Data& data) {
   if (data.noise) return *data.noise;
   const fit::NormalisedPoints& all = data.all;
@@ -287,11 +287,11 @@ double noise_and_rounding(const Trial& trial, const Data& data) {
   return result;
 }
 
-// Where the best one is as near to the points as roundings let it be, the likelihoods are those of rounded
-// points: with its mixture for all, as one that misfits by more would call that its noise.
+// If the best trial is as near to the points as rounding permits, likelihoods are for rounded points: its
+// mixture is used for all, as a trial with a worse fit would count its misfit as noise.
 void compare_as_rounded(std::span<Trial* const> trials, const Data& data) {
   for (Trial* t : trials) t->compared = t->log_likelihood;
-  // What is a surface before what is none, those of all points before those of some.
+  // Trials with a surface come before those without, trials of all points before trials of some.
   const auto rank = [](const Trial* t) {
     return std::tuple(sound(*t), t->model.points->count(), t->log_likelihood);
   };
@@ -304,7 +304,7 @@ void compare_as_rounded(std::span<Trial* const> trials, const Data& data) {
   for (Trial* t : trials) t->compared = log_likelihood(mixture, t->model.squares(t->state));
 }
 
-// Whether this convention explains little, or an affine map much more: then it is worth a search.
+// Whether to search affine maps: this convention explains little, or an affine map much more.
 bool wants_affine(const Data& data, Trial trial) {
   if (!explains(trial, much_noise)) return true;
   UvStart start{trial.model, trial.state, 0};
@@ -328,8 +328,8 @@ std::string described(const Trial& trial) {
          std::string(trial.model.whole_convention(trial.state).name);
 }
 
-// Whether the inliers' residuals are alike between neighbours. Residuals that roundings leave, which rows of
-// a grid share, are not tested.
+// Whether the inliers' residuals are similar between neighbours. Residuals due to rounding, which rows of a
+// grid share, are not tested.
 bool residuals_are_alike(const Trial& trial, const Data& data, const std::vector<bool>& is_inlier) {
   if (trial.mixture.sigma <= data.all.stored_rounding() ||
       noise_and_rounding(trial, data) > 1.1 * trial.mixture.sigma)
@@ -358,8 +358,8 @@ double inliers_rms(const fit::Mixture& mixture, const std::vector<double>& squar
   return std::sqrt(sum / std::fmax(inliers, 1));
 }
 
-// Everything the header promises of a usable fit, from all points. Returns why it is not usable, else
-// nothing.
+// Computes everything that the header promises for a usable fit, from all points. Returns why it is not
+// usable, or an empty text.
 std::string report(const Trial& trial, const Data& data, PointFit& fit) {
   const UvKind& kind = *trial.model.kind;
   const double size = data.all.scale;
@@ -488,7 +488,7 @@ class UvFit {
               [&](const Trial& a, const Trial& b) { return a.bic(count_) < b.bic(count_); });
   }
 
-  // Every kind under the conventions, on the trial points.
+  // Tries every kind under the conventions, on the trial points.
   void search() {
     fit::NormalisedPoints image = data_.trial;
     image.cloud = -image.cloud;
@@ -513,7 +513,7 @@ class UvFit {
     sort_by_bic();
   }
 
-  // Every kind under affine maps.
+  // Tries every kind under affine maps.
   void search_affine() {
     for (const UvKind* kind : kinds_) {
       std::optional<Trial> affine = try_affine(data_, *kind, fit_.iterations);
@@ -531,8 +531,8 @@ class UvFit {
     sort_by_bic();
   }
 
-  // Those that the trial points leave open, and the best of the others, from all points. One that the trial
-  // points had put behind may come first by all: then it is fitted to all too.
+  // Fits to all points the trials that the trial points could not decide between, and the best of the others.
+  // If one of the others comes first by all points, it is fitted to all too.
   void refine() {
     const auto of_trial = static_cast<double>(data_.trial.count());
     const double best = trials_.front().bic(of_trial);
@@ -557,7 +557,7 @@ class UvFit {
     t.log_likelihood = log_likelihood(t.mixture, t.model.squares(t.state));
   }
 
-  // The best of which everything is determined; a cone without height is a disk.
+  // Selects the best fit whose unknowns are all determined; a cone without height is a disk.
   std::string select() {
     fit_.candidates.clear();
     for (const Trial& t : trials_)

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t block_size = 64;
 
-// Of a squared distance, as the mixture has it.
+// The mixture's exponent for a squared distance.
 double exponent(const Mixture& mixture, double square) {
   return 0.5 * square / (mixture.sigma * mixture.sigma);
 }
@@ -40,7 +40,7 @@ class SummedCost final : public ceres::CostFunction {
     std::vector<double> x(blocks[0], blocks[0] + 4);
     x.insert(x.end(), blocks[1], blocks[1] + 3);
     if (columns_ > 6) x.insert(x.end(), blocks[2], blocks[2] + columns_ - 6);
-    // Ceres asks for the cost of a step first and for its Jacobian after: one pass serves both.
+    // Ceres requests the cost of a step first and its Jacobian later: one pass computes both.
     if (x != at_) {
       at_ = x;
       reduce(state_of(model_, state_, x));
@@ -93,13 +93,14 @@ class SummedCost final : public ceres::CostFunction {
   mutable Eigen::MatrixXd root_;
 };
 
-// Infinite where a uv far from the patch leads out of the range of numbers: such a point lies nowhere near.
+// Infinite if a uv far from the patch leads out of the range of numbers: such a point is not near the
+// surface.
 double square_of(const Eigen::Vector3d& residual) {
   const double square = residual.squaredNorm();
   return std::isnan(square) ? std::numeric_limits<double>::infinity() : square;
 }
 
-// A little inside an open bound: there the surface is a line or a point.
+// A value slightly inside an open bound: at the bound the surface is a line or a point.
 double least(const Range& permitted) {
   return permitted.minimum_included ? permitted.minimum : permitted.minimum + 1e-12;
 }
@@ -208,7 +209,7 @@ struct UvModel::Rows {
   std::vector<Vec2<double>> uvs;
   UvBlock block;
   Eigen::VectorXd residual;
-  Eigen::MatrixXd jacobian;  // without rows where it is not asked for
+  Eigen::MatrixXd jacobian;  // without rows if not requested
 };
 
 // Residuals and Jacobian of a block of points in the body's axes; the translation's columns are the body's
@@ -393,7 +394,7 @@ void UvModel::polish(UvState& state, MixtureInVolume& mixture, int most) const {
   for (int i = 0; i < most; ++i) {
     std::vector<double> squares;
     UvSums sums = this->sums(state, mixture, &squares);
-    // What is held, or presses against its bound, stays.
+    // Parameters that are held, or press against their bounds, stay.
     std::vector<Eigen::Index> still;
     if (placement_held) still = {0, 1, 2, 3, 4, 5};
     for (std::size_t k = 0; k < free.size(); ++k) {
@@ -413,7 +414,7 @@ void UvModel::polish(UvState& state, MixtureInVolume& mixture, int most) const {
     const Eigen::VectorXd step =
         -(scale.asDiagonal() * solve_least_norm(scaled, Eigen::VectorXd(scale.asDiagonal() * sums.gradient)));
     const double length = step.norm();
-    if (!(length < last)) return;  // rounding is all that is left
+    if (!(length < last)) return;  // only rounding is left
     state = moved(state, step);
     if (mixture.outliers > 0) update(mixture, squares, *points);
     double next = length;
@@ -467,7 +468,7 @@ void update(MixtureInVolume& mixture, const std::vector<double>& squares, const 
       mean += w * p;
       spread += w * p.squaredNorm();
     }
-    if (!(expected.count > 0)) return;  // none is near: left as it was
+    if (!(expected.count > 0)) return;  // no point is near: left unchanged
     mean /= expected.count;
     const double extent = std::sqrt(std::fmax(spread / expected.count - mean.squaredNorm(), 1e-20));
     mixture.volume = 4.0 / 3 * std::numbers::pi * std::pow(2 * extent, 3);

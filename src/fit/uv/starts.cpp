@@ -16,7 +16,7 @@ struct Linear {
   Eigen::MatrixXd design, targets;
   Eigen::MatrixXd solution;
   std::vector<double> distances;
-  // Of its making, kept for the next.
+  // Buffers of set_up(), kept for the next call.
   std::vector<Vec2<double>> uvs;
   UvBlock block;
 };
@@ -56,8 +56,9 @@ Linear linear_problem(const UvModel& model, const Affine& affine, const std::vec
   return linear;
 }
 
-// Least squares, then least distances by reweighting. Of minimum norm where the data leave a direction open:
-// A_k is zero there. False where the uvs make the surface so large that squares leave the range of numbers.
+// Least squares, then least distances by reweighting. The solution has minimum norm if the data do not
+// determine a direction: A_k is zero there. False if the uvs make the surface so large that squares leave the
+// range of numbers.
 bool solve(Linear& linear, int rounds) {
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(linear.design.rows());
   linear.distances.resize(static_cast<std::size_t>(linear.design.rows()));
@@ -82,7 +83,7 @@ bool solve(Linear& linear, int rounds) {
 }
 
 // The rms distance that least squares would leave, without a solution: the part of the targets that is
-// orthogonal to all columns of the design. Infinite where solve() says false. The problem is used up.
+// orthogonal to all columns of the design. Infinite if solve() would return false. Overwrites the problem.
 double residual(Linear& linear) {
   Eigen::MatrixXd& a = linear.design;
   const double least = 1e-6 * std::sqrt(a.colwise().squaredNorm().maxCoeff());
@@ -193,9 +194,9 @@ struct Unit {
   double scale = 1, from = 0;
 };
 
-// As they are stored, from the tile that they are in; and from 0 to 1 over all points. Of coordinates in
-// other units altogether, pixels say, the latter alone; of those that turn it only where the scales that are
-// tried come to less than three quarters of a turn.
+// Two units: as stored, counted from the tile of the points; and from 0 to 1 over all points. For coordinates
+// in entirely different units, such as pixels, only the latter. For periodic coordinates the latter only if
+// the scales that are tried amount to less than three quarters of a turn.
 std::vector<Unit> units(Coordinate coordinate, const std::vector<double>& stored) {
   const auto [low, high] = std::minmax_element(stored.begin(), stored.end());
   const double range = *high - *low;
@@ -207,8 +208,8 @@ std::vector<Unit> units(Coordinate coordinate, const std::vector<double>& stored
   return {as_stored, whole};
 }
 
-// The convention, from the tile that the points are in. One half-turn on, the chart goes through the poles to
-// the same points, but backwards, and no convention is itself there.
+// The convention, counted from the tile of the points. One half-turn further, the chart passes through the
+// poles to the same points, but backwards, so no convention maps to itself there.
 UvConvention in_its_tile(UvConvention convention, const UvKind& kind, const fit::NormalisedPoints& points) {
   if (kind.coordinates[1] != Coordinate::half_turn) return convention;
   std::vector<double> v;
@@ -235,7 +236,7 @@ ConventionStarts convention_starts(const UvKind& kind, const fit::NormalisedPoin
     for (const auto& at : kind.starts) {
       Linear linear = linear_problem(model, identity_map, at);
       if (!solve(linear, robust ? many_rounds : 1)) continue;
-      // What is linear is freer than what is rigid, where no parameter but lengths is to be found.
+      // The linear problem is less constrained than the rigid one, if only lengths are unknown.
       if (!robust && kind.linear())
         least_rms =
             std::sqrt(Eigen::VectorXd::Map(linear.distances.data(), linear.design.rows()).squaredNorm() /
@@ -256,16 +257,16 @@ ConventionStarts convention_starts(const UvKind& kind, const fit::NormalisedPoin
 std::vector<int> observable_affine(UvModel model) {
   const fit::NormalisedPoints few = model.points->chosen(64, 1);
   model.points = &few;
-  // The offset first, as placements absorb it; then scales, which lengths absorb; shears last. Where no
-  // length is free a rotation may absorb a shear, as in a plane.
+  // The offset comes first, as placements absorb it; then scales, which lengths absorb; shears last. If no
+  // length is free, a rotation may absorb a shear, as on a plane.
   bool any_length = false;
   for (std::size_t k = 0; k < model.held.size(); ++k)
     any_length = any_length || (model.kind->length[k] && !model.held[k]);
   const std::array<int, 6> order = any_length ? std::array{4, 5, 3, 0, 2, 1} : std::array{4, 5, 2, 1, 3, 0};
   model.free_affine.assign(order.begin(), order.end());
-  // Any states will do that have no symmetry by chance. An offset that a scale and lengths absorb together is
-  // held at zero only if they do so there too: not where a surface goes as v or 2v - 1 and their squares,
-  // which have their apex where these vanish.
+  // Any states without accidental symmetry will do. An offset that a scale and lengths absorb together is
+  // held at zero only if they absorb it there too. They do not if a surface depends on v or 2v - 1 and their
+  // squares, whose apex is where these vanish.
   std::vector<Eigen::MatrixXd> jacobians;
   for (const double offset : {0.0, 0.5}) {
     UvState state;
@@ -297,8 +298,7 @@ std::vector<int> observable_affine(UvModel model) {
 
 namespace {
 
-// The search over affine maps after a convention: a quick look at many, least squares for the nearest of
-// them.
+// The search over affine maps after a convention: a quick test of many, then least squares for the nearest.
 class AffineSearch {
  public:
   AffineSearch(const UvKind& kind, const fit::NormalisedPoints& all, const UvHeld& held, bool robust)
@@ -313,7 +313,7 @@ class AffineSearch {
 
   std::vector<UvStart> starts(std::span<const double> sheared) {
     constexpr std::size_t looked_at = 160, kept = 40, best = 10;
-    if (!robust_) model_.points = &few_;  // where none strays, they tell most of what the points do
+    if (!robust_) model_.points = &few_;  // without outliers, a few points tell most
     for (const UvConvention& convention : uv_conventions()) look_under(convention, sheared);
     if (!robust_) {
       keep_nearest(looked_at);
@@ -343,20 +343,20 @@ class AffineSearch {
   };
 
   bool is_free(int k) const { return std::find(free_.begin(), free_.end(), k) != free_.end(); }
-  // Values of an entry of the map that are tried: that of the identity where it is not free.
+  // The values of an entry of the map to try; only that of the identity if it is not free.
   std::vector<double> choices(int k, std::vector<double> values) const {
     return is_free(k) ? values : std::vector{identity_map[static_cast<std::size_t>(k)]};
   }
 
-  // What least squares leave of the model's points, their median; infinite where there is no solution.
+  // The median residual of the model's points after least squares; infinite if there is no solution.
   double distance(const Candidate& c) const {
     Linear linear = linear_problem(model_, c.affine, *c.at);
     return solve(linear, robust_ ? few_rounds : 1) ? median(linear.distances)
                                                    : std::numeric_limits<double>::infinity();
   }
 
-  // Of those that are exact but for roundings of floats, as many offsets are where linear freedom absorbs
-  // them, those in the surface's domain first.
+  // Keeps the nearest candidates. Among those that are exact up to float rounding, as many offsets are if
+  // linear unknowns absorb them, candidates in the surface's domain come first.
   void keep_nearest(std::size_t most) {
     constexpr double exact = 1e-6;
     std::stable_sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {
@@ -366,7 +366,7 @@ class AffineSearch {
     if (candidates_.size() > most) candidates_.resize(most);
   }
 
-  // A candidate at each start of the kind. \param from_u offset, where it is free
+  // Adds a candidate at each start of the kind. \param from_u offset, if it is free
   void add(double scale_u, double shear, double scale_v, double from_u, double from_v) {
     const Affine affine{scale_u, shear, 0, scale_v, is_free(4) ? from_u : 0, from_v};
     UvState state;
@@ -384,10 +384,10 @@ class AffineSearch {
     }
   }
 
-  // Scales, offsets and shears under one convention. A scale that lengths absorb is not searched; where the
-  // offset is, it may be any. Lengths may absorb those of v and be out of their range all the same, as the
-  // inner radius of a disk whose v does not begin at 0, or the radius of a cone behind its apex: v from 0 to
-  // 1 has none of that.
+  // Tries scales, offsets and shears under one convention. A scale that lengths absorb is not searched; if
+  // the offset is, the scale may be any. Lengths that absorb scale and offset of v may still be out of range,
+  // such as the inner radius of a disk whose v does not begin at 0, or the radius of a cone beyond its apex.
+  // With v from 0 to 1 this does not happen.
   void look_under(const UvConvention& convention, std::span<const double> sheared) {
     const std::vector<double> scales{1, 0.5, 2, 0.25, 0.1, 0.75, 1.5, 3}, turns{0, 0.25, 0.5, 0.75},
         shears{-2, -1, -0.5, 0.5, 1, 2};
@@ -412,7 +412,7 @@ class AffineSearch {
         for (const double offset : choices(5, turns)) add_in_units(su, 0, sv, offset);
     if (!is_free(1)) return;
     for (const double shear : shears) add_in_units(1, shear, 1, 0);
-    // Along stored (slope, 1) the surface's u stays; the convention maps both.
+    // Along stored (slope, 1) the surface's u is constant; the convention maps both.
     const auto& m = convention.affine;
     for (const double slope : sheared) {
       const double along_u = m[0] * slope + m[1], along_v = m[2] * slope + m[3];
@@ -425,7 +425,7 @@ class AffineSearch {
     }
   }
 
-  // The candidate with its u turned so far; nothing where the linear problem has no solution.
+  // The candidate with its u shifted by `turn`; none if the linear problem has no solution.
   std::optional<UvStart> start_of(const Candidate& c, double turn) const {
     UvModel m = model_of(kind_, points_, c.convention, held_);
     m.free_affine = free_;
@@ -445,10 +445,10 @@ class AffineSearch {
   const UvHeld& held_;
   bool robust_;
   fit::NormalisedPoints points_, few_;
-  UvModel model_;  // of the points that are looked at
+  UvModel model_;  // of the examined points
   std::vector<int> free_;
   std::vector<Candidate> candidates_;
-  Linear linear_;  // of the candidate at hand
+  Linear linear_;  // of the current candidate
 };
 
 }  // namespace

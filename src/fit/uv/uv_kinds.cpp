@@ -13,7 +13,7 @@
 namespace darboux {
 namespace {
 
-// Flattened, so that the second derivatives, which nobody asks for, are not computed.
+// Flattened, so that unused second derivatives are not computed.
 template <template <class> class Surface>
 DARBOUX_FLATTEN void evaluate(const double* parameters, std::span<const Vec2<double>> uvs, UvBlock& block) {
   constexpr auto info = Surface<double>::info;
@@ -46,7 +46,8 @@ DARBOUX_FLATTEN void evaluate(const double* parameters, std::span<const Vec2<dou
   }
 }
 
-// A parameter that is no length, with the values at which a fit starts; or a length that is tied to another.
+// A parameter that is not a length, with the values at which a fit starts; or a length that depends on
+// another.
 struct Shape {
   std::string_view name;
   std::vector<double> starts;
@@ -134,7 +135,7 @@ UvKind rigid_kind(const AnySurface& surface) {
       block.position.segment<3>(row) = *parameters * p;
       if (block.by_parameter.rows() > 0) block.by_parameter.col(0).segment<3>(row) = p;
       if (block.by_uv.rows() == 0) continue;
-      // Where partials are infinite, as on a superellipsoid's edges, a point tells nothing of the uv map.
+      // If partials are infinite, as on a superellipsoid's edges, a point tells nothing about the uv map.
       for (const auto& [column, partial] : {std::pair{0, jet.dpdu}, {1, jet.dpdv}})
         block.by_uv.block<3, 1>(row, column) = detail::finite(partial)
                                                    ? Eigen::Vector3d(*parameters * to_eigen(partial))

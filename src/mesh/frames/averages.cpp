@@ -6,8 +6,8 @@
 namespace darboux {
 namespace {
 
-// Sums of weighted tangents at every vertex, then Gram-Schmidt against its normal. weight(face, corner)
-// multiplies unit(T) and unit(B), or T and B themselves where `raw`.
+// Sums weighted tangents at every vertex, then applies Gram-Schmidt against its normal. weight(face, corner)
+// multiplies unit(T) and unit(B), or T and B themselves if `raw`.
 template <bool raw, class Weight>
 MeshFrames average(const Mesh& mesh, Weight weight) {
   MeshFrames result;

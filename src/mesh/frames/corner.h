@@ -19,27 +19,27 @@ struct Face {
   Face(const Mesh& mesh, const Triangle& triangle);
 };
 
-// A power of two that takes the largest coordinate below 1, so that areas and their inverses stay within
-// range.
+// A power of two that scales the largest coordinate below 1, so that areas and their inverses stay in range.
 double scale_below_one(const Mesh& mesh);
 std::array<Vec3<double>, 3> scaled(const std::array<Vec3<double>, 3>& p, double scale);
 
 // The angle at a corner, and Max's weight there.
 double corner_angle(const std::array<Vec3<double>, 3>& p, int corner);
 double corner_max_weight(const std::array<Vec3<double>, 3>& p, int corner);
-// Half the length of (p1 - p0) x (p2 - p0), and its direction; zero where there is none.
+// Half the length of (p1 - p0) x (p2 - p0), and its direction; zero if there is none.
 double triangle_area(const std::array<Vec3<double>, 3>& p);
 Vec3<double> face_normal(const std::array<Vec3<double>, 3>& p);
 
-// An arbitrary unit direction perpendicular to the unit vector n: from the coordinate axis farthest from n.
+// An arbitrary unit direction perpendicular to the unit vector n, made from the coordinate axis farthest from
+// n.
 Vec3<double> any_perpendicular(const Vec3<double>& n);
-// The frame where no triangle serves: an arbitrary direction perpendicular to n.
+// The frame where no triangle gives one: an arbitrary direction perpendicular to n.
 CornerFrame fallback_frame(const Vec3<double>& n, double sign);
-// The frame a method found, or the fallback where data that vanish leave it none.
+// The frame a method found, or the fallback if vanishing data leave none.
 CornerFrame frame_or_fallback(const Vec3<double>& t, const Vec3<double>& b, const Vec3<double>& n,
                               double sign);
 
-// Counts a triangle of these corners that is degenerate. Counts: MeshFrames or MikktspaceCounts.
+// Counts the triangle if it is degenerate. Counts: MeshFrames or MikktspaceCounts.
 template <class Counts>
 void count_degenerate(const std::array<Vec3<double>, 3>& p, const std::array<Vec2<double>, 3>& uv,
                       Counts& result) {
@@ -51,7 +51,7 @@ void count_degenerate(const std::array<Vec3<double>, 3>& p, const std::array<Vec
 void count_degenerate(const Face& face, MeshFrames& result);
 void count_fallbacks(MeshFrames& result);
 
-// The methods, behind the list.
+// The functions behind the list of methods.
 MeshFrames compute_mikktspace(const Mesh& mesh, int threads);
 MeshFrames compute_mikktspace_bitangent(const Mesh& mesh, int threads);
 MeshFrames compute_face(const Mesh& mesh, int threads);

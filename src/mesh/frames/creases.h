@@ -18,14 +18,14 @@ inline constexpr double crease_deg = 50;
 struct SharedEdge {
   std::uint32_t triangle[2];
   std::uint32_t node[2];
-  bool turned;  // both pass it in the same direction: one of them is turned over
+  bool turned;  // both triangles pass it in the same direction: one is turned over
 };
 
-// Whether the faces meet at more than crease_deg. Triangles without area make no edge sharp.
+// Whether the faces meet at more than crease_deg. An edge of a triangle without area is not sharp.
 bool is_sharp(const Mesh& mesh, const SharedEdge& edge);
 
-// Calls f(SharedEdge) for each edge between the same two nodes and the triangles next to each other in its
-// list; node(t, k) is that of corner k of triangle t.
+// For each edge between two nodes, calls f(SharedEdge) for successive triangles of its list; node(t, k) is
+// the node of corner k of triangle t.
 template <class Node, class F>
 void for_each_shared_edge(std::size_t triangles, std::size_t nodes, const Node& node, F f) {
   struct Edge {

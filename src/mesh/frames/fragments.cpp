@@ -9,7 +9,7 @@ namespace darboux {
 
 std::optional<TangentPair> fragment_gradients(const std::array<Vec3<double>, 3>& p,
                                               const std::array<Vec2<double>, 3>& uv, const Vec3<double>& n) {
-  // Rows of length 1, so that singular means parallel, whatever the size of the triangle.
+  // Rows have length 1, so that singular means parallel, whatever the size of the triangle.
   const Vec3<double> e1 = p[1] - p[0], e2 = p[2] - p[0];
   const double l1 = norm(e1), l2 = norm(e2);
   Eigen::Matrix3d a;
@@ -24,7 +24,7 @@ std::optional<TangentPair> fragment_gradients(const std::array<Vec3<double>, 3>&
 
 namespace {
 
-// The direction of what is left of unit vectors; zero where that is rounding only, as gram_schmidt has it.
+// The direction of what remains of unit vectors; zero if that is rounding only, as in gram_schmidt.
 Vec3<double> direction(const Vec3<double>& rest) {
   constexpr double nothing_below = 16 * 0x1p-53;
   return norm(rest) > nothing_below ? unit(rest) : Vec3<double>{};

@@ -21,7 +21,8 @@ namespace {
 
 using mikk::Buffer;
 
-// All numbers in single precision; those below its range, where only directions matter, times a power of two.
+// All numbers in single precision. Numbers below its range are scaled by a power of two, as only directions
+// matter.
 template <class Vector>
 std::vector<float> to_floats(const std::vector<Vector>& values, const char* name, bool any_scale) {
   constexpr std::size_t components = sizeof(Vector) / sizeof(double);
@@ -46,8 +47,8 @@ std::vector<float> to_floats(const std::vector<Vector>& values, const char* name
   return result;
 }
 
-// MikkTSpace's t and b are zero, of any length or not finite where squares vanish. The others are unit to 4.5
-// roundings: of a sum of squares, halved by the root, the root, the division, the product.
+// Where squares underflow to zero, MikkTSpace's t and b are zero, of any length or not finite. Otherwise they
+// are unit to 4.5 roundings: of a sum of squares, halved by the root, the root, the division, the product.
 Vec3<double> unit_or_zero(const float (&x)[3]) {
   const Vec3<double> a{x[0], x[1], x[2]};
   return std::fabs(norm(a) - 1) < 3e-7 ? a : Vec3<double>{};
@@ -57,13 +58,13 @@ Vec3<double> unit_or_zero(const float (&x)[3]) {
 CornerFrame frame_of(const MikkTangent& x, const Vec3<double>& normal, bool own_bitangent) {
   if (!x.served) return fallback_frame(normal, x.sign);
   const Vec3<double> n = unit(normal), t = unit_or_zero(x.t);
-  // Where the mesh grows in u along n, t is the rounding of its projection: of any direction, even along n.
+  // Where dpdu lies along n, t is the rounding of its projection: it has any direction, even along n.
   const Vec3<double> b = own_bitangent ? unit_or_zero(x.b) : double{x.sign} * unit(cross(n, t));
   return frame_or_fallback(t, b, n, x.sign);
 }
 
-// Whether frame_of() keeps t: t is unit, n of a length whose square is a normal number, and they are apart.
-// Nearly all are, and this costs a tenth.
+// Whether frame_of() keeps t: t is unit, the squared length of n is a normal number, and the two are not
+// parallel. Nearly all are kept, and this test costs a tenth of frame_of().
 bool keeps(const Vec3<double>& t, const Vec3<double>& n) {
   const double nn = dot(n, n);
   const Vec3<double> b = cross(n, t);
@@ -76,7 +77,7 @@ Vec3<double> vector_at(std::span<const float> values, std::size_t i) {
 
 constexpr float unserved = 0;  // a sign that no triangle gives
 
-// The method's tangent in place of MikkTSpace's. Whether it is a fallback.
+// Replaces MikkTSpace's tangent by the method's. \returns whether it is a fallback
 bool mend(Vec4<float>& tangent, const Vec3<double>& n) {
   const bool served = tangent.w != unserved;
   if (served && keeps({tangent.x, tangent.y, tangent.z}, n)) return false;
@@ -88,7 +89,7 @@ bool mend(Vec4<float>& tangent, const Vec3<double>& n) {
   return frame.fallback;
 }
 
-// The same of tangents by vertex; how many corners have fallbacks.
+// The same for tangents by vertex. \returns how many corners have fallbacks
 std::size_t mend_vertices(const MikkMesh& mesh, std::size_t threads, mikk::VertexTangents& tangents) {
   const auto normal = [&](std::size_t v) { return vector_at(mesh.normals, v); };
   std::atomic<bool> some = false;

@@ -1,4 +1,4 @@
-// Methods that look at the vertices about a vertex: least-squares polynomials and the Procrustes rotation.
+// Methods that use the vertices about a vertex: least-squares polynomials and the Procrustes rotation.
 #include "rings.h"
 
 #include <algorithm>
@@ -77,7 +77,7 @@ Rings::Rings(const Mesh& mesh, std::span<const Index> joined, bool by_uvs) : mes
     }
   }
   list_triangles(good);
-  // A triangle without area in uv has no winding: its corners go with the triangles that have one.
+  // A triangle without uv area has no winding: its corners join the triangles that have one.
   for (std::size_t c = 0; c < frames.of_corner.size(); ++c) {
     Index& node = frames.of_corner[c];
     if (!good[c / 3] && !used(node) && used(node ^ 1)) node ^= 1;
@@ -97,8 +97,8 @@ void Rings::list_triangles(const std::vector<bool>& good) {
     for (int k = 0; good[t] && k < 3; ++k) triangles_[next[nodes_[t][k]]++] = static_cast<Index>(t);
 }
 
-// Triangles about a node are of one fan where a chain of edges at the node connects them, those without area
-// in uv too.
+// Triangles about a node, including those without uv area, form one fan if a chain of edges at the node
+// connects them.
 void Rings::split_fans(const std::vector<bool>& good) {
   std::vector<Index>& of_corner = frames.of_corner;
   std::vector<Index> begin(wound() + 1, 0), corners(of_corner.size());
@@ -106,8 +106,8 @@ void Rings::split_fans(const std::vector<bool>& good) {
   for (std::size_t i = 0; i < wound(); ++i) begin[i + 1] += begin[i];
   std::vector<Index> next(begin.begin(), begin.end() - 1);
   for (std::size_t c = 0; c < of_corner.size(); ++c) corners[next[of_corner[c]]++] = static_cast<Index>(c);
-  std::vector<std::pair<Index, Index>> ends;  // of an edge at the node: the other end, the corner's place
-  std::vector<Index> fan, name;               // of each corner: one before it in its fan; of a fan: its node
+  std::vector<std::pair<Index, Index>> ends;  // per edge at the node: the other end, the corner's place
+  std::vector<Index> fan, name;               // per corner: one before it in its fan; per fan: its node
   const auto root = [&](Index i) {
     while (fan[i] != i) i = fan[i] = fan[fan[i]];
     return i;
@@ -186,7 +186,7 @@ void Rings::grow(Walk& walk) const {
 
 namespace {
 
-// What is near a node, relative to it, in units of the greatest distance in u, in v and in space.
+// The neighbours of a node, relative to it, in units of the greatest distance in u, in v and in space.
 struct Neighbourhood {
   Eigen::Matrix<double, Eigen::Dynamic, 2> uv;
   Eigen::Matrix<double, Eigen::Dynamic, 3> p;
@@ -207,8 +207,8 @@ struct Neighbourhood {
   }
 };
 
-// Directions of dpdu and dpdv at uv = 0 of the polynomial through 0 that is nearest to the neighbours in the
-// mean square; nothing where they leave it open, or nearly so.
+// Directions of dpdu and dpdv at uv = 0 of the least-squares polynomial through 0 and the neighbours; none if
+// they do not determine it, or barely.
 std::optional<TangentPair> fit_polynomial(const Neighbourhood& near, int degree) {
   using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 9, 9>;
   constexpr double worst_condition = 1e3;
@@ -217,7 +217,7 @@ std::optional<TangentPair> fit_polynomial(const Neighbourhood& near, int degree)
   if (near.p.rows() < unknowns || near.u_unit == 0 || near.v_unit == 0 || near.p_unit == 0)
     return std::nullopt;
   // Orthonormal columns w, [du dv] = w [[r00, r01], [0, r11]]: two affine charts of one neighbourhood give
-  // the same w but for a rotation.
+  // the same w up to a rotation.
   const Eigen::VectorXd du = near.uv.col(0) / near.u_unit, dv = near.uv.col(1) / near.v_unit;
   Eigen::Matrix<double, Eigen::Dynamic, 2> w(near.p.rows(), 2);
   const double r00 = du.norm();
@@ -228,7 +228,7 @@ std::optional<TangentPair> fit_polynomial(const Neighbourhood& near, int degree)
   if (!(r11 > parallel_below * dv.norm())) return std::nullopt;
   w.col(1) /= r11;
   w /= w.rowwise().norm().maxCoeff();
-  // Monomials so weighted that a rotation of w rotates those of one degree.
+  // Monomials are weighted so that a rotation of w rotates those of one degree.
   const double sqrt2 = std::sqrt(2.0), sqrt3 = std::sqrt(3.0);
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, Eigen::Dynamic, 9> a(near.p.rows(), unknowns);
   for (Eigen::Index i = 0; i < a.rows(); ++i) {
@@ -250,7 +250,7 @@ std::optional<TangentPair> fit_polynomial(const Neighbourhood& near, int degree)
   return TangentPair{from_eigen(t), from_eigen(b)};
 }
 
-// frame(walk) of each node that a triangle uses.
+// Sets frame(walk) for each node that a triangle uses.
 template <class FrameOf>
 MeshFrames of_nodes(const Mesh& mesh, int threads, const FrameOf& frame) {
   Rings rings(mesh);

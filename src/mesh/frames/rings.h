@@ -12,21 +12,21 @@ namespace darboux {
 
 using Index = std::uint32_t;
 
-// For each vertex the first that has the same position, normal and, where they count, uv.
+// For each vertex, the first with the same position, normal and, if requested, uv.
 std::vector<Index> join_equal_vertices(const Mesh& mesh, bool by_uvs = true);
 
-// A node is one or more vertices that agree in position, uv and normal. There are two where the triangles'
-// uvs wind differently (without uvs all wind alike), and one for each fan of triangles that edges connect:
-// charts, as the six of a cube, may have equal uvs where they meet.
+// A node is one or more vertices that agree in position, uv and normal. Such vertices make two nodes if their
+// triangles' uvs wind differently (without uvs all wind alike), and one node per fan of triangles connected
+// by edges: charts, such as the six of a cube, may have equal uvs where they meet.
 class Rings {
  public:
   explicit Rings(const Mesh& mesh) : Rings(mesh, join_equal_vertices(mesh)) {}
-  // \param joined join_equal_vertices() \param by_uvs whether the mesh has uvs, and they count
+  // \param joined join_equal_vertices() \param by_uvs whether the mesh has uvs that are to be used
   Rings(const Mesh& mesh, std::span<const Index> joined, bool by_uvs = true);
 
   std::size_t size() const { return wound() + split_from_.size(); }
   bool used(Index node) const { return begin_[node] != begin_[node + 1]; }
-  Index vertex(Index node) const { return whole(node) / 2; }  // the first of those joined
+  Index vertex(Index node) const { return whole(node) / 2; }  // the first of the joined vertices
   const Vec3<double>& position(Index node) const { return mesh_.positions[vertex(node)]; }
   const Vec2<double>& uv(Index node) const { return mesh_.uvs[vertex(node)]; }
   double sign(Index node) const { return whole(node) % 2 == 1 ? 1 : -1; }
@@ -38,11 +38,11 @@ class Rings {
   struct Walk {
     std::vector<Index> near;
     std::vector<std::size_t> ends;
-    std::vector<Index> seen;  // of each node: the last start that reached it
+    std::vector<Index> seen;  // per node: the last start that reached it
     Index starts = 0;
   };
   void start(Index node, Walk& walk) const;
-  // From now on walks end at the ends of sharp edges, by creases.h, and none should start there.
+  // From now on walks end at the ends of edges that creases.h calls sharp; do not start one there.
   void stop_at_creases();
   bool at_crease(Index node) const { return !at_crease_.empty() && at_crease_[node]; }
   void grow(Walk& walk) const;
@@ -57,8 +57,8 @@ class Rings {
   void split_fans(const std::vector<bool>& good);
 
   const Mesh& mesh_;
-  std::vector<Index> split_from_;         // of each further node of a vertex and winding: its first
-  std::vector<Index> begin_, triangles_;  // of each node: its triangles
+  std::vector<Index> split_from_;         // per further node of a vertex and winding: the first one
+  std::vector<Index> begin_, triangles_;  // per node: its triangles
   std::vector<Triangle> nodes_;           // of each triangle
   std::vector<bool> at_crease_;           // of each node
 };

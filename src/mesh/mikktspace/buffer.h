@@ -25,7 +25,7 @@ class Buffer {
   explicit Buffer(std::size_t size) : size_(size) {
     const std::size_t bytes = (size * sizeof(T) + page) / page * page;
 #ifdef __linux__
-    if (large()) {  // mapped by itself, so that it is given back, from a multiple of the page's size
+    if (large()) {  // mapped separately, so that it can be given back; starts at a multiple of the page size
       void* mapped = mmap(nullptr, bytes + page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
       if (mapped == MAP_FAILED) throw std::bad_alloc();
       char* const begin = static_cast<char*>(mapped);
@@ -78,7 +78,7 @@ class Buffer {
 
  private:
   static constexpr std::size_t page = std::size_t{1} << 21;
-  // Clearing a large page takes less time than handing out a quarter of it in pages of 4 kB.
+  // Clearing a large page takes less time than providing a quarter of it in pages of 4 kB.
   bool large() const {
     return size_ * sizeof(T) >= page / 4;
   }
@@ -87,11 +87,11 @@ class Buffer {
   std::size_t size_ = 0;
 };
 
-// Work memory in few pieces, given back all at once. Not for several threads at a time.
+// Work memory in few pieces, freed all at once. Not for several threads at a time.
 class Memory {
  public:
-  // Frees all that was taken, and provides one piece of at least so many bytes: the present one if it is
-  // large enough, else a new one no smaller than all there was.
+  // Frees everything taken, and provides one piece of at least so many bytes: the present one if it is large
+  // enough, else a new one at least as large as all pieces before together.
   void start(std::size_t bytes) {
     used_ = 0;
     if (pieces_.size() == 1 && pieces_.front().size() >= bytes) return;
@@ -99,7 +99,7 @@ class Memory {
     pieces_.clear();
     pieces_.emplace_back(size);
   }
-  // Without values.
+  // Uninitialised.
   template <class T>
   std::span<T> take(std::size_t size) {
     constexpr std::size_t line = 64;
@@ -126,7 +126,7 @@ class Memory {
   std::size_t used_ = 0;  // of the last
 };
 
-// The first `size` T of memory that several steps use one after the other; what was there is gone.
+// The first `size` T of memory that several steps use in turn; earlier content is lost.
 template <class T>
 std::span<T> reused(std::span<std::byte> memory, std::size_t size) {
   return {reinterpret_cast<T*>(memory.data()), size};

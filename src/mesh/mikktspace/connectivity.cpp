@@ -10,19 +10,19 @@ namespace darboux::mikk {
 
 namespace {
 
-// The most that there may be: a quad is two.
+// The most triangles there may be: a quad is two.
 std::size_t triangles_of(const MikkMesh& mesh) {
   return mesh.face_sizes.empty() ? mesh.corner_count() / 3 : 2 * mesh.face_sizes.size();
 }
 
-// The most that any step takes.
+// The most memory that any step takes.
 std::size_t scratch_bytes(const MikkMesh& mesh, std::size_t threads) {
   return std::max({weld_places(mesh.vertex_count()) * sizeof(std::uint64_t),
                    sizeof(Index) * most_ids(mesh.vertex_count(), threads),
                    sizeof(Directions) * triangles_of(mesh)});
 }
 
-// Room for all that triangles take of which none is degenerate, so that it is one piece.
+// Room for everything if no triangle is degenerate, so that it is one piece of memory.
 std::size_t usual_bytes(const MikkMesh& mesh, std::size_t threads, bool lengths) {
   constexpr std::size_t rounding = 1 << 12;
   const std::size_t of_ids = 5 * sizeof(Index), of_vertices = sizeof(Index),
@@ -50,7 +50,7 @@ Connectivity::Connectivity(const MikkMesh& mesh, const Range& range, const LaneK
   orient_any();
 }
 
-// Quads are cut along the shorter diagonal, in the uvs, or where these are equal in space.
+// Quads are cut along the diagonal that is shorter in uv or, if these are equal, in space.
 void Connectivity::list_triangles() {
   const bool quads =
       std::any_of(mesh_.face_sizes.begin(), mesh_.face_sizes.end(), [](auto n) { return n == 4; });
@@ -93,8 +93,8 @@ void Connectivity::list_triangles() {
   std::ranges::copy(corner_, cut_.begin());
 }
 
-// Degenerate are triangles with two corners in the same place. Each is exchanged with the next good one that
-// was not, so that they come last: the order of the good ones is that of all sums.
+// Triangles with two corners in the same place are degenerate. Each is exchanged with the next good one not
+// yet exchanged, so they come last. All sums follow the order of the good ones.
 void Connectivity::set_degenerate_apart() {
   const auto is_degenerate = [&](std::size_t t) {
     const Vector a = position(vertex(corner(3 * t))), b = position(vertex(corner(3 * t + 1))),
@@ -160,7 +160,7 @@ void Connectivity::list_corners() {
   begin_ = memory_.take<Index>(ids + 1);
   at_vertex_ = memory_.take<Index>(3 * good_);
   const std::span<Index> all_next = reused<Index>(scratch_, ids);
-  // Each thread has some of the ids and looks at all corners; many threads would look too often.
+  // Each thread has some of the ids and reads all corners; with many threads that costs too much.
   const std::size_t parts = ids < least_counted ? 1 : std::min<std::size_t>(threads_, 8);
   const auto of_ids = [&](const auto& f) { parallel_ranges(ids, parts, f, ids / parts + 1); };
   of_ids([&](std::size_t first, std::size_t last) {
@@ -180,9 +180,9 @@ void Connectivity::list_corners() {
   });
 }
 
-// An edge is a number: the vertex at its other end, the place of the corner at this one, and whether it
-// leaves from there. A good triangle has one edge between two vertices, so that these stand in the order of
-// the triangles.
+// An edge is a number: the vertex at its other end, the place of the corner at this end, and whether it
+// leaves from there. A good triangle has one edge between two vertices, so edges are in the order of the
+// triangles.
 void Connectivity::find_links(Index id, Links& x) const {
   const std::span<const Index> corners = corners_at(id);
   x.after.assign(corners.size(), none);
@@ -211,8 +211,8 @@ void Connectivity::find_links(Index id, Links& x) const {
   if (is_at_last_edge(id)) link_last_edges(id, x);
 }
 
-// The first group that comes to a triangle without uv area gives it its orientation; groups begin in the
-// order of the corners. So those at the vertices of such triangles are formed one after the other.
+// The first group that reaches a triangle without uv area gives it its orientation, and groups begin in the
+// order of the corners. So groups at the vertices of such triangles are formed one after the other.
 void Connectivity::orient_any() {
   if (!any_) return;
   label_ = memory_.take<Index>(3 * good_);

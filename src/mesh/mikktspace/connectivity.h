@@ -24,13 +24,13 @@ namespace darboux::mikk {
 
 constexpr Index none = ~Index{0};
 
-// Of a hash table that has room for all vertices.
+// The size of a hash table with room for all vertices.
 constexpr std::size_t weld_places(std::size_t vertices) {
   return std::bit_ceil(vertices + vertices / 2 + 1);
 }
 
-// From so many on, a second thread is woken: vertices to be welded, triangles, vertices to be served,
-// vertices whose corners are counted.
+// From this many on, a second thread is woken: vertices to weld, triangles, vertices to compute, vertices
+// whose corners are counted.
 constexpr std::size_t least_welded = 4096, least_triangles = 2048, least_served = 1024,
                       least_counted = 1 << 14;
 
@@ -40,8 +40,8 @@ constexpr std::size_t most_ids(std::size_t vertices, std::size_t threads) {
   return vertices + ids_at_a_time * range_count(vertices, threads, least_welded);
 }
 
-// Each edge of a run of equal ones takes the first after it that is left and passes the other way: pair(i,
-// j), of edges that leave a vertex or arrive there.
+// In a run of equal edges, each takes the first remaining edge after it that passes the other way: pair(i,
+// j). Edges leave a vertex or arrive there.
 template <class Leaves, class Pair>
 void pair_up(std::size_t run, const Leaves& leaves, const Pair& pair, std::vector<std::uint8_t>& taken) {
   if (run < 2) return;
@@ -50,7 +50,7 @@ void pair_up(std::size_t run, const Leaves& leaves, const Pair& pair, std::vecto
     return;
   }
   taken.assign(run, 0);
-  std::array<std::size_t, 2> ahead{0, 0};  // of either direction, the first that may be left
+  std::array<std::size_t, 2> ahead{0, 0};  // per direction, the first that may remain
   for (std::size_t i = 0; i < run; ++i) {
     if (taken[i] != 0) continue;
     std::size_t& j = ahead[leaves(i) ? 1 : 0];
@@ -61,13 +61,13 @@ void pair_up(std::size_t run, const Leaves& leaves, const Pair& pair, std::vecto
   }
 }
 
-// Of a vertex, for its test: its low bits are where the search in the table begins.
+// The hash of a vertex, also for tests: the search in the table begins at its low bits.
 std::uint64_t weld_hash(const MikkMesh& mesh, std::size_t v);
 
-// Of `points` those of the baseline.
+// The kernels of an instruction set; for `points`, those of the baseline.
 const LaneKernels& lanes_of(InstructionSet set);
 
-// Complete when the constructor returns, and only read from then on.
+// Complete when the constructor returns; read only from then on.
 struct Connectivity {
   // `lengths` says whether these are wanted. Everything lies in `memory`.
   Connectivity(const MikkMesh& mesh, const Range& range, const LaneKernels& lanes, const MikkOptions& options,
@@ -84,8 +84,8 @@ struct Connectivity {
   // them.
   std::size_t corner(std::size_t at) const { return corner_.empty() ? at : corner_[at]; }
   Index welded(std::size_t at) const { return welded_[at]; }
-  // The vertex whose values a corner has: the one that stands for all welded to it, whose zeros may have
-  // other signs.
+  // The vertex whose values a corner takes: the representative of all that are welded to it. Their zeros may
+  // have other signs.
   Index source(std::size_t at) const { return mixed_zeros_ ? stands_for_[welded(at)] : vertex(corner(at)); }
   std::size_t face(std::size_t triangle) const { return face_.empty() ? triangle : face_[triangle]; }
   static std::size_t next(std::size_t at) { return at % 3 == 2 ? at - 2 : at + 1; }
@@ -97,7 +97,7 @@ struct Connectivity {
     const Index at = 3 * triangle;
     return welded(at) == id ? at : welded(at + 1) == id ? at + 1 : at + 2;
   }
-  // Of a corner among those of its vertex.
+  // The place of a corner among those of its vertex.
   Index place_at(Index id, Index at) const {
     const std::span<const Index> corners = corners_at(id);
     return static_cast<Index>(std::lower_bound(corners.begin(), corners.end(), at) - corners.begin());
@@ -111,8 +111,8 @@ struct Connectivity {
   void set_degenerate_apart();
   void weld_corners();
   void list_corners();
-  // Triangles are linked at a vertex across an edge that they pass in opposite directions; of more than two
-  // each takes the first that is left, in the order of the triangles.
+  // Triangles are linked at a vertex across an edge that they pass in opposite directions; if there are more
+  // than two, each takes the first that remains, in the order of the triangles.
   struct Links {
     std::vector<Index> after, before;  // of each corner at the vertex, the place of that across the edge that
                                        // begins there and across that which ends there; or none
@@ -120,7 +120,7 @@ struct Connectivity {
     std::vector<std::uint8_t> taken;
   };
   void find_links(Index id, Links& links) const;
-  // Of an edge in the last run, whatever find_links() would find without.
+  // An edge in the last run. It replaces what find_links() would find.
   struct LastEdge {
     Index at, neighbour;  // the corner where it begins; the triangle across, or none
   };
@@ -133,7 +133,7 @@ struct Connectivity {
   void find_last_edges();
   void differentiate(bool lengths);
   void orient_any();
-  // Of corners at one vertex. There may be room for more.
+  // Parts of the corners at one vertex. `parts` may have room for more.
   void find_parts(std::span<const Index> corners, std::vector<Part>& parts) const;
 
   const MikkMesh& mesh_;
@@ -143,12 +143,12 @@ struct Connectivity {
   Memory& memory_;
   std::span<std::byte> scratch_;    // of the welding, then of the corners, then of the representatives, then
                                     // of the directions
-  std::size_t ids_ = 0;             // some may not be used
-  bool joined_ = false;             // some vertices are one
+  std::size_t ids_ = 0;             // some may be unused
+  bool joined_ = false;             // some vertices are welded
   bool mixed_zeros_ = false;        // some of the vertices with one id have zeros of other signs
   bool any_ = false;                // some triangle is `any`
-  std::span<Index> id_;             // of each vertex: equal ones have the same; which, no result depends on
-  std::span<Index> stands_for_;     // of each id: a vertex that has it, whose values count
+  std::span<Index> id_;             // per vertex: equal for equal vertices; its value affects no result
+  std::span<Index> stands_for_;     // per id: a vertex with it, whose values count
   std::span<Index> corner_;         // of the triangles; empty: in order
   std::span<Index> face_;           // of the triangles; empty: in order
   std::span<Index> face_begin_;     // the first corner of each face; empty: all are triangles

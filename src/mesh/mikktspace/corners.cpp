@@ -1,4 +1,4 @@
-// What each corner adds to the sums: which mesh and whose lanes.
+// The contribution of each corner to the sums: passes the mesh to the lanes.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -64,7 +64,7 @@ void Connectivity::differentiate(bool lengths) {
       },
       least_triangles);
   any_ = any;
-  // Both triangles of a quad have one orientation: that of the larger in the uvs.
+  // Both triangles of a quad have one orientation: that of the one with the larger uv area.
   if (mesh_.face_sizes.empty()) return;
   const auto area2 = [&](std::size_t t) {
     std::array<const float*, 3> uv;

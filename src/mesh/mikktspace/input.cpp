@@ -83,7 +83,7 @@ float greatest_magnitude(std::span<const float> x, int threads) {
   return std::bit_cast<float>(greatest);
 }
 
-// The greatest number of an attribute, which may not be above `most`.
+// The greatest magnitude of an attribute; throws if it is above `most`.
 float check(const char* name, std::span<const float> x, std::size_t components, float most, int threads) {
   const float greatest = greatest_magnitude(x, threads);
   if (magnitude_bits(greatest) <= magnitude_bits(most)) return greatest;

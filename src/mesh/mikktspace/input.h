@@ -1,5 +1,5 @@
 /// \file input.h
-/// What is asked for, checked.
+// / Checks of the input and options.
 #pragma once
 
 #include <darboux/mikktspace.h>
@@ -8,8 +8,8 @@ namespace darboux::mikk {
 
 // Whether products of positions and uvs and their squares may leave the range of float.
 struct Range {
-  bool scale;  // each triangle is to be scaled by powers of two: within the range that changes no bit
-  bool shrink_positions, shrink_uvs;  // even differences may: by a quarter first
+  bool scale;  // scale each triangle by powers of two; within the range this changes no bit
+  bool shrink_positions, shrink_uvs;  // even differences may leave the range: multiply by a quarter first
 };
 
 // Throws as mikktspace() does.

@@ -1,5 +1,5 @@
-// What each corner adds to the sums, in lanes; compiled once per instruction set; DARBOUX_ISA names this one.
-// Everything but the table has internal linkage.
+// The contribution of each corner to the sums, in lanes. Compiled once per instruction set; DARBOUX_ISA names
+// this one. Everything but the table has internal linkage.
 #include "lanes.h"
 
 #include <cfloat>
@@ -58,7 +58,7 @@ DARBOUX_INLINE Four block_of(const Floats& a) {
   return __builtin_shufflevector(a, a, 4 * block, 4 * block + 1, 4 * block + 2, 4 * block + 3);
 }
 
-// In each block the lanes p0 ... p3 of a's and, from 4 on, b's.
+// In each block, lanes p0 ... p3: 0 to 3 are of a, 4 to 7 of b.
 template <int p0, int p1, int p2, int p3, int... k>
 DARBOUX_INLINE Floats mix(const Floats& a, const Floats& b, std::integer_sequence<int, k...>) {
   constexpr std::array<int, 4> from{p0, p1, p2, p3};
@@ -72,14 +72,14 @@ DARBOUX_INLINE Floats mix(const Floats& a, const Floats& b) {
 struct Rows {
   Floats a, b, c, d;
 };
-// In each block rows as columns.
+// Transposes each block.
 DARBOUX_INLINE Rows turned(const Rows& row) {
   const Floats a = mix<0, 4, 1, 5>(row.a, row.b), b = mix<0, 4, 1, 5>(row.c, row.d),
                c = mix<2, 6, 3, 7>(row.a, row.b), d = mix<2, 6, 3, 7>(row.c, row.d);
   return {mix<0, 1, 4, 5>(a, b), mix<2, 3, 6, 7>(a, b), mix<0, 1, 4, 5>(c, d), mix<2, 3, 6, 7>(c, d)};
 }
 
-// From or to a byte of an object, over its members.
+// Loads from, or stores to, a byte of an object, across its members.
 DARBOUX_INLINE Four load(const void* from, std::size_t byte = 0) {
   Four x;
   std::memcpy(&x, static_cast<const char*>(from) + byte, sizeof x);
@@ -160,8 +160,8 @@ DARBOUX_INLINE Half arc_cosines(const Half& cosine, Doubles& low, Doubles& high)
   high = angle + error * angle;
   return __builtin_convertvector(low, Half);
 }
-// Where both bounds round to one float that is what the C library's acos rounds to, which errs by less than
-// they; one in some thousands is told by it.
+// If both bounds round to one float, acos of the C library rounds to it too, as it errs by less than the
+// bounds. Else, once in some thousands, the C library decides.
 DARBOUX_INLINE Floats arc_cosines(const Floats& cosine, float (*exactly)(float)) {
   std::array<Half, 2> low, high;
   for (int k = 0; k < 2; ++k) {
@@ -203,7 +203,7 @@ struct Found {
   Floats edge_scale, uv_scale;  // lengths are to be multiplied by uv_scale / edge_scale
 };
 
-// With `scaled` edges and differences of uvs are brought to about 1, triangle by triangle.
+// If `scaled`, edges and differences of uvs are scaled to about 1, triangle by triangle.
 template <bool scaled>
 DARBOUX_INLINE Found find(const Corners& x) {
   Found found;
@@ -238,7 +238,7 @@ DARBOUX_INLINE Found find(const Corners& x) {
   return found;
 }
 
-// Three numbers of a vertex, and one more: of the next vertex, but of the last.
+// Three numbers of a vertex and one more, the next vertex's; for the last vertex without reading beyond.
 DARBOUX_INLINE Four three_of(const float* x, Index v, Index last) {
   const float* const at = x + 3 * std::size_t{v};
   return v < last ? load(at) : Four{at[0], at[1], at[2], 0};
@@ -250,7 +250,7 @@ DARBOUX_INLINE Two pairs_of(const float* x, Index a, Index b) {
   return Two{first, second};
 }
 
-// The triangles from one on; after the last it comes again.
+// The triangles from `first` on; the last one is repeated.
 DARBOUX_INLINE Corners corners_of(const Triangles& x, std::size_t first) {
   Corners result;
 #pragma GCC unroll 3
@@ -332,7 +332,7 @@ bool differentiate(const Triangles& x) {
 
 // ---- corners at a vertex
 
-// In turns a block of the directions s of four corners and one of their t.
+// Alternates blocks of the directions s of four corners with blocks of their t.
 void find_parts(const Directions* directions, const Index* corners, std::size_t count, const float* normal,
                 Part* parts) {
   const Floats zero{};
@@ -391,7 +391,7 @@ void link(Ring* rings, std::size_t count) {
     }
 }
 
-// Groups side by side, a corner of each at a time.
+// Groups side by side, one corner of each at a time.
 Vectors normals_of(const Groups& x, std::size_t first) {
   std::array<Blocks, 4> rows;
 #pragma GCC unroll 16
@@ -405,7 +405,7 @@ struct Parts {
   Vectors s, t;
   Floats angle;
 };
-// Of the corners `place` of the groups, or their last ones.
+// The parts of corner `place` of each group, or of its last corner.
 DARBOUX_INLINE Parts parts_of(const Groups& x, std::size_t first, std::size_t place, const Vectors& n) {
   std::array<Blocks, 4> front, back;
   Blocks angles;

@@ -1,7 +1,7 @@
 /// \file lanes.h
-/// Between corners.cpp, which knows the mesh, and lanes.cpp, which is compiled once per instruction set: four
-/// triangles or corners at a time, or more. Plain data only: nothing here may be compiled differently in the
-/// two.
+/// The interface between corners.cpp, which knows the mesh, and lanes.cpp, which is compiled once per
+/// instruction set and handles four or more triangles or corners at a time. Plain data only: nothing here may
+/// compile differently in the two.
 #pragma once
 
 #include <array>
@@ -15,10 +15,10 @@ namespace darboux::mikk {
 using Vector = Vec3<float>;
 using Index = std::uint32_t;
 
-// Of a triangle that is not degenerate.
+// The orientation of a triangle that is not degenerate.
 struct Orientation {
   std::uint8_t preserves : 1;  // the uvs wind as the triangle does
-  std::uint8_t any : 1;  // joins groups of either orientation: its uvs have no area, or s or t no length
+  std::uint8_t any : 1;  // joins groups of either orientation: its uvs lack area, or s or t lacks length
 };
 // Unit directions in which u and v grow in a triangle, and at each corner the angle between its edges as seen
 // along the normal there.
@@ -26,8 +26,8 @@ struct Directions {
   Vector s, t;
   std::array<float, 3> angle;
 };
-// What a corner adds, weighted by the angle: the directions, unit and perpendicular to the normal there. Each
-// beside the angle, so that they are stored and loaded four numbers at a time.
+// A corner's contribution: the directions, unit and perpendicular to the normal there, to be weighted by the
+// angle. The angle stands beside each of them, so that four numbers are stored and loaded at a time.
 struct Part {
   Vector s;
   float angle;
@@ -50,7 +50,7 @@ struct Triangles {
   std::size_t count;
   bool scale;                         // triangle by triangle, by powers of two, to about 1
   bool shrink_positions, shrink_uvs;  // by a quarter first
-  float (*arc_cosine)(float x);       // where lanes cannot tell which of two floats
+  float (*arc_cosine)(float x);       // for when lanes cannot decide between two floats
   Directions* directions;
   Orientation* orientation;
   Lengths* lengths;  // null: not wanted
@@ -66,7 +66,7 @@ struct Ring {
   std::array<Index, most> after, before;   // of which `after` passes the edge to `next`; or none
 };
 
-// A vertex whose corners make one group.
+// A vertex whose corners form one group.
 struct Group {
   const Index* corners;
   std::size_t count;
@@ -79,15 +79,15 @@ struct Groups {
   const Group* groups;
   std::size_t count;
 };
-// Of its parts: unit(sum angle s), where s and t of all are so near those of the first corner that they would
-// be together by an angular threshold of 180 degrees.
+// The average of a group's parts: unit(sum angle s). `near` if s and t of all parts are so near those of the
+// first that an angular threshold of 180 degrees would keep them together.
 struct Average {
   Vector s;
   float near;  // 1, else 0
 };
 static_assert(sizeof(Average) == 16);
 
-// Of one instruction set. All give the same bits.
+// The kernels of one instruction set. All sets give the same bits.
 struct LaneKernels {
   // Whether one of the triangles is `any`.
   bool (*differentiate)(const Triangles& triangles);

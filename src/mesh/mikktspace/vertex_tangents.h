@@ -17,14 +17,14 @@ struct CornerTangent {
   Vec4<float> tangent;
 };
 
-// x, y, z of t and the raw sign. To the bit those of mikktspace().
+// x, y, z of t and the raw sign, bit for bit as mikktspace() gives them.
 struct VertexTangents {
-  Buffer<Vec4<float>> of_vertices;    // of the first corner at each; w is 0 where there is none
-  std::vector<CornerTangent> others;  // of corners with other bits than their vertex, ascending
-  // Of all corners instead, where triangles are degenerate or their uvs have no area; else empty.
+  Buffer<Vec4<float>> of_vertices;    // of the first corner at each vertex; w is 0 if there is none
+  std::vector<CornerTangent> others;  // corners with other bits than their vertex, ascending
+  // All corners instead, if triangles are degenerate or their uvs have no area; else empty.
   Buffer<Vec4<float>> of_corners;
 };
-// Of triangles with corners. Takes 16 bytes per vertex beside mikktspace(), or per corner for of_corners.
+// For indexed triangles. Takes 16 bytes per vertex more than mikktspace(), or per corner for of_corners.
 VertexTangents vertex_tangents(const MikkMesh& mesh, const MikkOptions& options);
 
 }  // namespace darboux::mikk
