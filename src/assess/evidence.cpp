@@ -36,6 +36,7 @@ constexpr Prior priors[] = {
 };
 constexpr Prior any_other{SurfaceKind::other, Symmetry::none, 10, -6};
 
+constexpr double across_deg = 45, most_across = 0.2;
 constexpr double same = 1e-3;  // of the size, for rings; for lengths, ten times that, of their median
 constexpr std::size_t looked_at = 5000;  // positions and vertices of large meshes, spread evenly
 constexpr double agree_deg = 5, tight_deg = 1;
@@ -201,6 +202,33 @@ Normals compare_normals(const Mesh& mesh, const MeshFit& fit, double on_axis) {
   return result;
 }
 
+// The share of the area whose triangles lie across the surface: more than across_deg from the mean of its
+// normals at their corners. One ring of positions and a tip lie on cones that the triangles between them do
+// not follow.
+double share_across(const Mesh& mesh, const MeshFit& fit) {
+  Mesh few;
+  few.half_steps = mesh.half_steps;
+  for (const std::size_t t : evenly_chosen(mesh.triangles.size(), looked_at / 3))
+    for (const std::uint32_t v : mesh.triangles[t]) {
+      few.positions.push_back(mesh.positions[v]);
+      if (!mesh.uvs.empty()) few.uvs.push_back(mesh.uvs[v]);
+    }
+  const std::vector<Truth> truth = truths(few, fit);
+  double area = 0, across = 0;
+  for (std::size_t c = 0; c < few.positions.size(); c += 3) {
+    const Vec3<double> plane =
+        cross(few.positions[c + 1] - few.positions[c], few.positions[c + 2] - few.positions[c]);
+    Vec3<double> normal;
+    for (std::size_t k = c; k < c + 3; ++k)
+      if (detail::finite(truth[k].normal) && !truth[k].pole) normal = normal + truth[k].normal;
+    if (normal == Vec3<double>{} || !(norm(plane) > 0)) continue;
+    area += norm(plane);
+    if (angle_between(dot(plane, normal) < 0 ? -plane : plane, normal) * 180 / M_PI > across_deg)
+      across += norm(plane);
+  }
+  return area > 0 ? across / area : 0;
+}
+
 }  // namespace
 
 Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
@@ -212,6 +240,12 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
     result.log10_odds = -10;
     result.rival = "plane";
     result.text = "it explains the positions only " + rounded(explained, 2) + " times as well as a plane";
+    return result;
+  }
+  if (share_across(mesh, fit) > most_across) {
+    result.log10_odds = -10;
+    result.rival = "polyhedron";
+    result.text = "its triangles lie across the surface that its positions lie on";
     return result;
   }
   // Positions: spare orbits.

@@ -47,7 +47,7 @@ Accurate::Accurate(const MeshUnderTest& under_test, std::span<const VertexChecks
     // in uv.
     const bool seen = basis == Basis::declared || mesh.normals.empty() || under_test.normals.drawn[v];
     if (seen) normals_[v] = claim_of(a.normal, truth[v].normal_deg, limit);
-    if (basis == Basis::declared || under_test.has_uv_area[v])
+    if (basis == Basis::declared || (seen && under_test.has_uv_area[v]))
       tangents_[v] = claim_of(a.projected_tangent, truth[v].tangent_deg, limit);
     all_normals.add(normals_[v], corners_of[v]);
     all_tangents.add(tangents_[v], corners_of[v]);

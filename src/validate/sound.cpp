@@ -30,7 +30,7 @@ constexpr double most_against = 0.99;
 struct Plane {
   Vec3<double> normal;  // unit
   double uncertain;     // the sine of that angle; 1: the plane is unknown
-  bool vanishes;        // area below a thousandth of its rounding: corners meant to coincide, or on a line
+  bool vanishes;        // area within its rounding: nothing is seen of the triangle
 };
 
 class Planes {
@@ -50,7 +50,7 @@ class Planes {
     for (const Vec3<double>& q : p) size = std::max({size, std::fabs(q.x), std::fabs(q.y), std::fabs(q.z)});
     const double step = half_step(scale_ * mesh_.half_steps.position, size);
     const double error = 2 * std::numbers::sqrt3 * step * (norm(e1) + norm(e2) + 2 * step);
-    return {across / twice_area, std::min(error / twice_area, 1.0), twice_area < 1e-3 * error};
+    return {across / twice_area, std::min(error / twice_area, 1.0), twice_area <= error};
   }
 
  private:

@@ -108,8 +108,7 @@ class MeshValidation {
     return darboux::limit_of(classes_.of_vertex[v], options_.max_angle_deg);
   }
   bool is_pole(std::uint32_t v) const { return classes_.of_vertex[v] == VertexClass::pole; }
-  // Where a recognised surface ends, people blend its normals into the adjoining surface, and tangents
-  // follow.
+  // Where a recognised surface ends, people blend its normals into what adjoins it, and tangents follow.
   bool may_be_authored(std::uint32_t v) const { return !authored_.empty() && authored_[v]; }
   std::string worst_text(double worst, const std::string& more = {}) const {
     return (worst > 0 ? " (worst " + rounded(worst, 4) + " deg, limit " : std::string(" (limit ")) +
@@ -277,7 +276,7 @@ Code MeshValidation::error_of(const CornerGroup& group) const {
     if (!c.tangent_zero && !c.sign_valid && (!is_unseen(v) || mesh_.tangents[v].w != 0))
       return tangent_invalid_sign;
     if (c.along_normal && !is_unseen(v)) return tangent_not_orthogonal;
-    if (group.wrong_sign) return tangent_handedness;
+    if (group.wrong_sign && !is_hidden(v)) return tangent_handedness;
     if (tangent_error(group) != Decider::nobody) return tangent_angle;
   }
   if (!c.normal_finite) return normal_not_finite;
@@ -455,8 +454,7 @@ void MeshValidation::add_errors(const CornerCounts& counts) {
           "wrong";
       found.to_do =
           "if the normals are wrong, transform them by the inverse transpose or recompute them; else "
-          "project: "
-          "t - (t.n) n, then normalise";
+          "project: t - (t.n) n, then normalise";
     }
     add(report_, std::move(found));
   }
