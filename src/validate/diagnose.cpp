@@ -435,7 +435,7 @@ bool diagnose_unknown(const MeshUnderTest& under_test, const ValidateOptions& op
     return true;
   const std::vector<Pair> averages = normals_of_averages(under_test, limit);
   return are_off(averages) && !are_averages(under_test, averages) &&
-         add_map(under_test, averages, limit / 5, report);
+         add_map(under_test, averages, known_to * limit, report);
 }
 
 }  // namespace

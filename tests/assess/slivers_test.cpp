@@ -133,5 +133,32 @@ TEST(Slivers, SignsBesideATriangleWithoutUvAreaAreOpen) {
   EXPECT_EQ(count_of(elsewhere, "TANGENT_HANDEDNESS", Severity::error), 6u);
 }
 
+// A triangle of three vertices of its own; its height is a step of single precision, or not.
+TEST(Slivers, WithinTheRoundingOfPositionsOpposeNoWinding) {
+  for (const bool thin : {true, false}) {
+    Mesh mesh = hills();
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    const float y = thin ? std::nextafter(10.F, 11.F) : 10.3F;
+    for (const V& p : {V{10, 10, 1}, V{11, 10, 1}, V{10.5, y, 1}}) {
+      mesh.positions.push_back(p);
+      mesh.normals.push_back({0, 0, 1});
+      mesh.uvs.push_back({p.x / n, p.y / n});
+    }
+    mesh.triangles.push_back({first, first + 2, first + 1});
+    EXPECT_EQ(count_of(mesh, "NORMALS_OPPOSE_WINDING", Severity::warning), thin ? 0u : 3u) << thin;
+  }
+}
+
+TEST(Slivers, SignsOfANormalThatFacesAwayFromATriangleAreOpen) {
+  Mesh mesh = with_tangents(hills());
+  const std::uint32_t v = at(9, 9);
+  // On the back of one of its six triangles, in front of the others.
+  mesh.positions[at(10, 10)].z += 8;
+  mesh.tangents[v].w = -mesh.tangents[v].w;
+  EXPECT_EQ(count_of(mesh, "TANGENT_HANDEDNESS", Severity::error), 6u) << "still in front of all";
+  mesh.normals[v] = unit(V{1, 1, 0.3});
+  EXPECT_EQ(count_of(mesh, "TANGENT_HANDEDNESS", Severity::error), 0u);
+}
+
 }  // namespace
 }  // namespace darboux::slivers_test
