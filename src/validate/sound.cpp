@@ -324,15 +324,14 @@ std::vector<bool> unsupported_normals(const Mesh& mesh, const std::vector<bool>&
 }
 
 // A bent quad cut the other way, or a sliver, tilts a triangle away from a few normals, but hardly turns it
-// over.
-bool are_slivers(const std::vector<bool>& unsupported, const std::vector<bool>& asked,
-                 const std::vector<bool>& in_front) {
+// over. \param far vertices whose normal is beyond near_deg
+bool are_slivers(const std::vector<bool>& unsupported, const std::vector<bool>& far,
+                 const std::vector<bool>& asked, const std::vector<bool>& in_front) {
   std::size_t those = 0, all = 0;
   for (std::size_t v = 0; v < asked.size(); ++v) {
+    if (unsupported[v] && !in_front[v]) return false;
     all += asked[v];
-    if (!unsupported[v]) continue;
-    if (!in_front[v]) return false;
-    ++those;
+    those += far[v];
   }
   return 10 * those < all;
 }
@@ -451,7 +450,8 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   result.departing.assign(n, false);
   if (!result.all_oppose) {
     for (std::vector<bool>* those : {&supported, &near, &in_front}) share(joins, *those);
-    result.departing = far_from_all(mesh, joins, asked, near);
+    const std::vector<bool> far = far_from_all(mesh, joins, asked, near);
+    result.departing = far;
     for (std::uint32_t v = 0; v < n; ++v)
       if (!supported[v]) result.departing[v] = false;
     result.unsupported = unsupported_normals(mesh, has_area, joins, result.opposes, asked, supported);
@@ -461,7 +461,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
           may_be_transferred(mesh, has_area, joins, result.unsupported, result.may_be_meant);
       for (std::uint32_t v = 0; v < n; ++v)
         if (transferred[v]) result.may_be_meant[v] = true;
-      if (are_slivers(result.unsupported, asked, in_front)) result.may_be_meant = result.unsupported;
+      if (are_slivers(result.unsupported, far, asked, in_front)) result.may_be_meant = result.unsupported;
     }
   }
   result.faceted_vertices.assign(n, false);

@@ -276,21 +276,21 @@ FitOfOthers fit_of_others(const PointCloud& points, const std::vector<bool>& lef
 }
 
 // If a kind is named and half of the points belong to the ground, a nearly plane surface of that kind is
-// likelier than the intended one, and its parameters are not determined. Then the points of the plane are
+// likelier than the intended one, and its parameters are hardly determined. Then the points of the plane are
 // left out: docs/theory/fit.md. \param all the fit of all points
 std::optional<PointFit> fit_beside_plane(const PointCloud& points, const NormalisedPoints& normal,
                                          const PointFitOptions& options, const Primitive* only,
                                          const PointFit& all) {
-  constexpr double nearly_all = 0.9, enough = 0.5;
+  constexpr double most = 0.6, enough = 0.5, as_noisy = 1.1;
   const Primitive* plane_primitive = primitive_named("plane");
-  if (all.usable || !only || only == plane_primitive || options.guess) return std::nullopt;
+  if (!only || only == plane_primitive || options.guess) return std::nullopt;
   PointFitOptions quiet = options;
   quiet.progress = nullptr;
   const PointFit plane = PrimitivesFit(points, normal, quiet, plane_primitive, Effort::full).run();
-  if (!plane.usable) return std::nullopt;
+  if (!plane.usable || (all.usable && plane.sigma > as_noisy * all.sigma)) return std::nullopt;
   std::size_t common = 0;
   for (std::size_t i = 0; i < plane.is_inlier.size(); ++i) common += plane.is_inlier[i] && all.is_inlier[i];
-  if (static_cast<double>(common) < nearly_all * static_cast<double>(all.inliers)) return std::nullopt;
+  if (static_cast<double>(common) < most * static_cast<double>(all.inliers)) return std::nullopt;
   PointFit beside = fit_of_others(points, plane.is_inlier, quiet, only).fit;
   if (!beside.usable ||
       static_cast<double>(beside.inliers) < enough * static_cast<double>(normal.finite - plane.inliers))
