@@ -66,6 +66,31 @@ TEST(BesidePlane, NamedKindsAreFoundOnTheGround) {
     }
 }
 
+// Of a dome and its floor a sphere of some ninety times the radius was found, known to 18 %, and called
+// usable. Points of the floor near the rim make the radius too large by a third of the noise.
+TEST(BesidePlane, DomesAreFoundOnTheirFloor) {
+  PortableRandom random(259);
+  std::cout << "seed 259\n";
+  for (const double sigma : {0.01, 0.03})
+    for (int repeat = 0; repeat < 3; ++repeat) {
+      const Eigen::Matrix3d turn = random.rotation();
+      PointCloud cloud;
+      for (int i = 0; i < 2500; ++i) {
+        const double u = 2 * std::numbers::pi * random.uniform(), z = random.uniform(),
+                     r = std::sqrt(1 - z * z);
+        Eigen::Vector3d p(r * std::cos(u), r * std::sin(u), z);
+        if (i >= 1000) p = {random.uniform(-2.5, 2.5), random.uniform(-2.5, 2.5), 0};
+        cloud.positions.push_back(from_eigen(turn * p + sigma * random.normals()));
+      }
+      PointFitOptions options;
+      options.surface = "sphere";
+      const PointFit fit = fit_points(cloud, options);
+      ASSERT_TRUE(fit.usable) << fit.reason;
+      EXPECT_NE(fit.reason.find("beside it is left out"), std::string::npos) << fit.reason;
+      EXPECT_NEAR(parameter_of(fit.surface->surface, "radius"), 1, 0.67 * sigma) << sigma;
+    }
+}
+
 // A box on the ground is no sphere and no ellipsoid, though these hold most of its points with more noise;
 // and a few points of a sphere among scattered ones are none.
 TEST(BesidePlane, OtherThingsOnTheGroundAreRefused) {
