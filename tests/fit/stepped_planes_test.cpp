@@ -79,5 +79,50 @@ TEST(SteppedPlanes, OtherPointsHaveNoSteps) {
   EXPECT_EQ(two_levels.half_step * two_levels.scale, 0x1p-11);
 }
 
+// Of a tilted plane in coarse steps, half of the points lie on one plane of the lattice to all digits: that
+// was the plane, known to 1e-13 degrees, and some degrees off.
+TEST(SteppedPlanes, TiltedOnesAreNotOnePlaneOfTheLattice) {
+  PortableRandom random(257);
+  std::cout << "seed 257\n";
+  PointFitOptions options;
+  options.surface = "plane";
+  for (const double step : {1.0, 0.05, 0.0625})
+    for (const double noise : {0.05, 0.3})
+      for (int repeat = 0; repeat < 4; ++repeat) {
+        const Eigen::Matrix3d turn = random.rotation();
+        PointCloud cloud;
+        for (int i = 0; i < 1000; ++i) {
+          const Eigen::Vector3d p = turn * Eigen::Vector3d(random.uniform(-10, 10), random.uniform(-6, 6),
+                                                           noise * random.normals().x());
+          cloud.positions.push_back(
+              {step * std::round(p.x()), step * std::round(p.y()), step * std::round(p.z())});
+        }
+        const PointFit fit = fit_points(cloud, options);
+        ASSERT_TRUE(fit.usable) << fit.reason;
+        const double cosine = std::fabs(fit.surface->placement.linear().col(2).dot(turn.col(2)));
+        // The standard error about the long axis is hypot(0.29, noise) / (6 / sqrt(3) sqrt(1000)), 0.22
+        // degrees.
+        EXPECT_LT(std::acos(std::fmin(cosine, 1)) * 180 / M_PI, 1) << step << ' ' << noise << ' ' << repeat;
+        EXPECT_GT(fit.inliers, 900u);
+      }
+}
+
+// Exact points of a plane of the lattice, among scattered ones, stay exact.
+TEST(SteppedPlanes, ExactOnesAreExact) {
+  PortableRandom random(258);
+  std::cout << "seed 258\n";
+  PointCloud cloud;
+  const auto whole = [&] { return std::floor(random.uniform(-20, 21)); };
+  for (int i = 0; i < 400; ++i) {
+    const double x = whole(), y = whole();
+    cloud.positions.push_back({x, y, i < 300 ? -x - y : whole()});
+  }
+  PointFitOptions options;
+  options.surface = "plane";
+  const PointFit fit = fit_points(cloud, options);
+  ASSERT_TRUE(fit.usable) << fit.reason;
+  EXPECT_LT(fit.sigma, 1e-9);
+}
+
 }  // namespace
 }  // namespace darboux::stepped_planes_test

@@ -174,6 +174,29 @@ double step_of_levels(const std::vector<Vec3<double>>& positions, const std::vec
   return found;
 }
 
+// The greatest common divisor of all coordinates in this unit; 0 if some are no multiples of it.
+std::int64_t common_multiple(const PointCloud& points, const std::vector<std::size_t>& index, double unit) {
+  constexpr double largest = 1e9, off = 1e-6;
+  std::int64_t result = 0;
+  for (const std::size_t i : index)
+    for (const double x : {points.positions[i].x, points.positions[i].y, points.positions[i].z}) {
+      const double multiple = std::rint(x / unit);
+      if (!(std::fabs(multiple) <= largest) || std::fabs(x / unit - multiple) > off) return 0;
+      result = std::gcd(result, static_cast<std::int64_t>(multiple));
+    }
+  return result;
+}
+
+// NormalisedPoints::common_step, in the unit of the points: of multiples of 0.01 or of 2^-12.
+double common_step_of(const PointCloud& points, const std::vector<std::size_t>& index, double size) {
+  constexpr double least = 1e-3;
+  for (const double unit : {0.01, 0x1p-12})
+    if (const double step = unit * static_cast<double>(common_multiple(points, index, unit));
+        step >= least * size)
+      return step;
+  return 0;
+}
+
 double median_size(const std::vector<Vec2<double>>& uvs) {
   std::vector<double> sizes;
   for (const Vec2<double>& uv : uvs) sizes.push_back(std::fmax(std::fabs(uv.x), std::fabs(uv.y)));
@@ -229,6 +252,7 @@ NormalisedPoints normalised(const PointCloud& points, bool with_uv) {
     result.are_floats = of_positions.are_floats();
     result.half_step = 0.5 * step_of_levels(points.positions, result.index, size) / result.scale;
     result.rounding = std::fmax(result.rounding, 0.5 * result.half_step);
+    result.common_step = common_step_of(points, result.index, size) / result.scale;
   }
   if (with_uv && !result.uvs.empty()) {
     StoredDigits of_uvs(8 * (1 + median_size(result.uvs)));

@@ -43,6 +43,9 @@ struct NormalisedPoints {
   // parallel to an axis; else 0. With less noise than this, a fit would take one level for the surface,
   // without noise, and its neighbours for outliers.
   double half_step = 0;
+  // The step of which all coordinates are whole multiples, if that is at least a thousandth of the size; else
+  // 0.
+  double common_step = 0;
   // Whether the coordinates are floats, or nine digits of them, and need all bits of one: whole numbers are
   // floats too, and do not show how they were stored.
   bool are_floats = false;

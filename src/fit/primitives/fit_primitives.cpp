@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <darboux/plane.h>
+
 #include "base/text.h"
 #include "clump.h"
 #include "correlation.h"
@@ -305,6 +307,21 @@ std::optional<PointFit> fit_beside_plane(const PointCloud& points, const Normali
   return beside;
 }
 
+// Whether the plane that was found holds, without noise, one layer of coarsely rounded points, and a quarter
+// as many are outliers within two steps of it: these belong to the plane that was measured.
+bool is_layer_of_steps(const PointCloud& points, const NormalisedPoints& normal, const PointFit& fit) {
+  constexpr double levels = 2, fewest = 0.25;
+  if (!(normal.common_step > 0) || normal.half_step > 0 || !fit.usable ||
+      !fit.surface->surface.get<Plane<double>>() || fit.sigma > normal.scale * normal.stored_rounding())
+    return false;
+  const Eigen::Isometry3d to_local = fit.surface->placement.inverse();
+  const double within = levels * normal.common_step * normal.scale;
+  std::size_t near = 0;
+  for (std::size_t i = 0; i < fit.is_inlier.size(); ++i)
+    near += !fit.is_inlier[i] && std::fabs((to_local * to_eigen(points.positions[i])).z()) < within;
+  return static_cast<double>(near) >= fewest * static_cast<double>(fit.inliers);
+}
+
 // The fit of all points, or of those beside a clump that is not of their surface: docs/theory/fit.md.
 class ClumpedFit {
  public:
@@ -441,6 +458,11 @@ PointFit fit_primitives(const PointCloud& points, const PointFitOptions& options
     clump = dense_clump(normal.cloud);
   PointFit fit = clump.empty() ? PrimitivesFit(points, normal, options, only, effort).run()
                                : ClumpedFit(points, normal, std::move(clump), options, only).run();
+  if (clump.empty() && is_layer_of_steps(points, normal, fit)) {
+    normal.half_step = 0.5 * normal.common_step;
+    normal.rounding = std::fmax(normal.rounding, 0.5 * normal.half_step);
+    fit = PrimitivesFit(points, normal, options, only, effort).run();
+  }
   if (effort == Effort::full)
     if (auto beside = fit_beside_plane(points, normal, options, only, fit)) fit = *std::move(beside);
   fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
