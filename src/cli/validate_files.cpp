@@ -282,16 +282,16 @@ std::vector<Assessment> assess_primitive(const Primitive& primitive, const Mesh&
   return assess_parts(primitive.data, with_uvs);
 }
 
-// If a primitive passes, others of its mesh that nothing could judge do not leave the mesh undetermined; the
-// same holds for parts.
-void close_what_is_left(std::vector<AssessedPrimitive>& primitives) {
+// Where a primitive passes, others of its mesh that adjoin another and that nothing could judge do not leave
+// the mesh undetermined, as parts do not. \param beside triangles_beside() them
+void close_what_is_left(std::vector<AssessedPrimitive>& primitives, const std::vector<Mesh>& beside) {
   std::set<std::size_t> passing;
   for (const AssessedPrimitive& p : primitives)
     for (const Assessment& assessment : p.assessments)
       if (assessment.report.without_errors == Verdict::pass) passing.insert(p.primitive.mesh);
-  for (AssessedPrimitive& p : primitives)
-    if (passing.count(p.primitive.mesh) > 0)
-      for (Assessment& assessment : p.assessments) pass_if_undetermined(assessment.report);
+  for (std::size_t i = 0; i < primitives.size(); ++i)
+    if (!beside[i].triangles.empty() && passing.count(primitives[i].primitive.mesh) > 0)
+      for (Assessment& assessment : primitives[i].assessments) pass_if_undetermined(assessment.report);
 }
 
 void skip_unneeded(Asset& asset, std::vector<Mesh>& beside, std::vector<SkippedPrimitive>& skipped) {
@@ -348,7 +348,7 @@ void assess_file(AssessedFile& file, const AssessOptions& options, const Policy&
         primitive.other_uvs = {};
         file.primitives.push_back({std::move(primitive), std::move(assessments), {}, std::move(costs)});
       }
-      close_what_is_left(file.primitives);
+      close_what_is_left(file.primitives, beside);
       std::vector<NamedReport> parts;
       for (AssessedPrimitive& p : file.primitives)
         for (Assessment& j : p.assessments) parts.push_back({place_of(p.primitive, j), &j.report});

@@ -22,9 +22,9 @@ Finding warning(Code code, std::size_t count, const std::string& more, const Rea
 }
 
 bool CornerCounts::are_few(Code code, std::size_t corners) const {
-  constexpr std::size_t in = 500;
-  return code == Code::tangent_angle && tangents.by_surface == 0 &&
-         in * of_error[static_cast<std::size_t>(code)] < corners;
+  constexpr std::size_t in = 500, most = 24;
+  return code == Code::tangent_angle && tangents.by_surface == 0 && in * tangents.by_triangles < corners &&
+         tangents.by_triangles <= most;
 }
 
 }  // namespace darboux

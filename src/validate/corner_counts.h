@@ -72,17 +72,16 @@ inline constexpr Reason unsure{
         "allow it",
         "nothing, or refine the mesh there"},
     few{"; fewer than 1 in 500 corners, told by their own triangles alone, which may have been cut or "
-        "simplified "
-        "since",
+        "simplified since",
         "nothing, if triangles were cut, simplified or quantised after tangents were computed; else "
-        "recompute "
-        "tangents"},
+        "recompute tangents"},
     nearby{"; told by neighbouring vertices alone, so only what is beyond three times the limit counts", ""},
     lit_otherwise{
-        "; more than 80 deg from their own triangles, at borders or where normals are smooth, which may be "
-        "meant",
-        "nothing, where cards, skirts or crowns are lit as the ground or the whole is; else recompute "
-        "normals"},
+        "; more than 80 deg from their own triangles, at borders, at slivers or where normals are smooth, "
+        "which "
+        "may be meant",
+        "nothing at slivers, nor where cards, skirts or crowns are lit as the ground or the whole is; else "
+        "recompute normals"},
     departing{"; more than 60 deg from their own triangles, and no average of these",
               "nothing, where they are authored; else recompute normals"};
 

@@ -301,8 +301,7 @@ void for_each_turn(const MeshUnderTest& under_test, const std::vector<Vec3<doubl
       });
 }
 
-constexpr double round_turn = 1.5;      // of exact normals from averages, by the turn between triangles
-constexpr double smooth_turn_deg = 50;  // at most, between triangles of a round surface
+constexpr double round_turn = 1.5;  // of exact normals from averages, by the turn between triangles
 
 // Less those off their facet that a round surface explains: their normals lie between it and a triangle
 // beside it that turns little from it, as at a cone's apex, where each column has a vertex of its own; or, at
@@ -313,7 +312,7 @@ std::vector<Pair> without_rounded(const MeshUnderTest& under_test, std::vector<P
   const std::vector<Vec3<double>> planes = planes_of(under_test);
   std::vector<bool> rounded(mesh.positions.size(), false);
   for_each_turn(under_test, planes, [&](std::uint32_t t, std::uint32_t other, double turn) {
-    if (!(turn <= smooth_turn_deg)) return;
+    if (!(turn <= crease_deg)) return;
     for (const std::uint32_t v : mesh.triangles[t]) {
       const double off = angle_deg(planes[t], mesh.normals[v]);
       const bool at_border = under_test.classes.of_vertex[v] == VertexClass::border;
@@ -354,7 +353,7 @@ std::vector<Pair> normals_of_averages(const MeshUnderTest& under_test, double li
     const auto& [a, b, c] = mesh.triangles[other];
     for (const std::uint32_t v : mesh.triangles[t])
       if (const std::uint32_t at = joined[v];
-          turn <= smooth_turn_deg || at == joined[a] || at == joined[b] || at == joined[c])
+          turn <= crease_deg || at == joined[a] || at == joined[b] || at == joined[c])
         turns[at] = std::fmax(turns[at], turn);
   });
   const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / most_samples);

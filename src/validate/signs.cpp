@@ -25,13 +25,24 @@ Signs::Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> chec
       if (wrong(t, v)) asked[v] = true;
   VertexJoins of_part;
   all_round_ = own_directions(mesh, under_test.raw_sign, joins_of(under_test, of_part), asked).all_round;
-  open_.assign(mesh.positions.size(), false);
+  count();
+  open_few();
+}
+
+void Signs::open_few() {
+  constexpr std::size_t in = 100;
+  const Mesh& mesh = under_test_.mesh;
+  std::vector<bool> open(mesh.positions.size(), false);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!under_test_.has_area[t]) continue;
     const bool none = certain_sign(mesh, mesh.triangles[t], 0) == 0;
     for (const std::uint32_t v : mesh.triangles[t])
-      if (none || !faces(t, v)) open_[v] = true;
+      if (none || !faces(t, v)) open[v] = true;
   }
-  count();
+  std::size_t those = 0;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    for (const std::uint32_t v : mesh.triangles[t]) those += open[v] && wrong(t, v);
+  if (in * those <= all_.raw + all_.gltf) open_ = std::move(open);
 }
 
 void Signs::count() {
@@ -68,7 +79,7 @@ int Signs::raw_sign(std::uint32_t t, std::uint32_t v) const {
 bool Signs::counts(std::uint32_t t, std::uint32_t v) const {
   if (!checks_[v].sign_valid || !checks_[v].has_tangent) return false;
   if (!all_round_.empty() && all_round_[signed_index(v, under_test_.raw_sign[t])]) return false;
-  return (open_.empty() || !open_[v]) && faces(t, v);
+  return faces(t, v);
 }
 
 bool Signs::faces(std::uint32_t t, std::uint32_t v) const {
@@ -81,7 +92,7 @@ bool Signs::faces(std::uint32_t t, std::uint32_t v) const {
 }
 
 bool Signs::wrong(std::uint32_t t, std::uint32_t v) const {
-  if (all_.raw == 0 || all_.gltf == 0 || !counts(t)) return false;
+  if (all_.raw == 0 || all_.gltf == 0 || !counts(t) || (!open_.empty() && open_[v])) return false;
   const SignCount& island = islands_[static_cast<std::size_t>(under_test_.classes.island_of_triangle[t])];
   return (under_test_.mesh.tangents[v].w * raw_sign(t, v) > 0) != raw_in(island) && counts(t, v);
 }

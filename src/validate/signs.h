@@ -16,9 +16,8 @@ struct SignCount {
 };
 
 // Of the whole mesh and of each island, over the corners of triangles with uv area. Not counted are corners
-// where w has no one meaning: the normal is more than 80 degrees from a triangle of the vertex (the uvs'
-// winding says one sign, the side of dpdv the other), one of these has no uv area, or their dpdu go all round
-// it.
+// where w has no one meaning: the normal is more than 80 degrees from the triangle (the uvs' winding says one
+// sign, the side of dpdv the other), or the dpdu of the vertex's triangles go all round it.
 class Signs {
  public:
   Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> checks);
@@ -36,6 +35,10 @@ class Signs {
 
  private:
   void count();
+  // Where w has no one meaning, no sign is wrong at any corner of the vertex: if a triangle has no uv area,
+  // or is more than 80 degrees from the normal, it may have given its sign to all. Only if few corners, one
+  // in a hundred, are in question: such triangles do not spoil a mesh.
+  void open_few();
   // Triangles do not count if they have no area in space, or none in uv beyond single-precision rounding:
   // they are not visible.
   bool counts(std::uint32_t t) const;
@@ -54,7 +57,7 @@ class Signs {
   SignCount all_;
   std::vector<SignCount> islands_;
   std::vector<bool> all_round_;  // as OwnDirections has them; empty: none
-  std::vector<bool> open_;       // vertices of triangles that may have given a false sign to all; empty: none
+  std::vector<bool> open_;       // vertices where no sign is wrong; empty: none
 };
 
 }  // namespace darboux

@@ -30,7 +30,9 @@ constexpr double most_against = 0.99;
 struct Plane {
   Vec3<double> normal;  // unit
   double uncertain;     // the sine of that angle; 1: the plane is unknown
-  bool vanishes;        // area within its rounding: nothing is seen of the triangle
+  // Area below a thousandth of its rounding, so corners meant to coincide or on a line; or within its
+  // rounding, on a triangle a hundred times as long as high: nothing is seen of it.
+  bool vanishes;
 };
 
 class Planes {
@@ -50,7 +52,11 @@ class Planes {
     for (const Vec3<double>& q : p) size = std::max({size, std::fabs(q.x), std::fabs(q.y), std::fabs(q.z)});
     const double step = half_step(scale_ * mesh_.half_steps.position, size);
     const double error = 2 * std::numbers::sqrt3 * step * (norm(e1) + norm(e2) + 2 * step);
-    return {across / twice_area, std::min(error / twice_area, 1.0), twice_area <= error};
+    const Vec3<double> e3 = p[2] - p[1];
+    const double longest = std::max({dot(e1, e1), dot(e2, e2), dot(e3, e3)});
+    constexpr double sliver = 100;
+    return {across / twice_area, std::min(error / twice_area, 1.0),
+            twice_area < 1e-3 * error || (twice_area <= error && sliver * twice_area <= longest)};
   }
 
  private:
@@ -323,17 +329,27 @@ std::vector<bool> unsupported_normals(const Mesh& mesh, const std::vector<bool>&
   return result;
 }
 
+// Corners whose normals oppose the winding.
+struct OpposedCorners {
+  std::size_t corners = 0, against = 0;
+  bool all() const {
+    return corners > 0 && static_cast<double>(against) >= most_against * static_cast<double>(corners);
+  }
+};
+
 // A bent quad cut the other way, or a sliver, tilts a triangle away from a few normals, but hardly turns it
 // over. \param far vertices whose normal is beyond near_deg
 bool are_slivers(const std::vector<bool>& unsupported, const std::vector<bool>& far,
                  const std::vector<bool>& asked, const std::vector<bool>& in_front) {
-  std::size_t those = 0, all = 0;
+  constexpr std::size_t most = 24;
+  std::size_t those = 0, off = 0, all = 0;
   for (std::size_t v = 0; v < asked.size(); ++v) {
     if (unsupported[v] && !in_front[v]) return false;
     all += asked[v];
-    those += far[v];
+    off += far[v];
+    those += unsupported[v];
   }
-  return 10 * those < all;
+  return 10 * off < all && those <= most;
 }
 
 }  // namespace
@@ -380,6 +396,18 @@ VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v) {
   return c;
 }
 
+// Marks all triangles that oppose their normals, however uncertain their planes are.
+void oppose_all(const Mesh& mesh, const std::vector<bool>& has_area, NormalChecks& result) {
+  result.opposing = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3<double> plane = area_vector(mesh, mesh.triangles[t]);
+    result.opposes[t] = has_area[t];
+    for (const std::uint32_t v : mesh.triangles[t])
+      result.opposes[t] = result.opposes[t] && dot(mesh.normals[v], plane) < 0;
+    result.opposing += result.opposes[t] ? 3 : 0;
+  }
+}
+
 NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, const VertexJoins& joins) {
   NormalChecks result;
   if (mesh.normals.empty()) return result;
@@ -397,11 +425,11 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
   result.faceted.assign(mesh.triangles.size(), false);
   result.opposes.assign(mesh.triangles.size(), false);
   bool any_candidate = false;
-  std::size_t corners = 0, against = 0;
+  OpposedCorners certain, any;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!has_area[t]) continue;
     const Plane plane = planes(t);
-    int opposing = 0;
+    int opposing = 0, opposing_at_all = 0;
     // The sine of the largest angle at which a normal counts as the plane's own. The squared cosine is then
     // at least 1 - own², and nearly always that decides.
     const double own = std::min(faceted_deg / degrees_per_radian + plane.uncertain + rounding, 1.0);
@@ -414,8 +442,11 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
         candidate = false;
         continue;
       }
-      opposing += along < 0 && along * along > plane.uncertain * plane.uncertain * square;
-      ++corners;
+      const bool is_certain = along * along > plane.uncertain * plane.uncertain * square;
+      opposing_at_all += along < 0;
+      opposing += is_certain && along < 0;
+      certain.corners += is_certain;
+      ++any.corners;
       asked[v] = true;
       if (plane.uncertain < 1) agreeing[joins.position_and_normal[v]] += along < 0 ? -1 : 1;
       const auto is_within = [&](double cosine) {
@@ -431,7 +462,8 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
       if (is_within(least_near - 2 * (plane.uncertain + rounding))) near[v] = true;
       candidate = candidate && along > 0 && along * along >= (1 - own * own) * square;
     }
-    against += static_cast<std::size_t>(opposing);
+    certain.against += static_cast<std::size_t>(opposing);
+    any.against += static_cast<std::size_t>(opposing_at_all);
     result.opposes[t] = opposing == 3;
     result.opposing += opposing == 3 ? 3 : 0;
     if (!candidate) continue;
@@ -442,8 +474,9 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
         }))
       result.faceted[t] = any_candidate = true;
   }
-  result.all_oppose =
-      corners > 0 && static_cast<double>(against) >= most_against * static_cast<double>(corners);
+  // Of a mesh so fine that rounding leaves its planes open, signs still tell in sum.
+  result.all_oppose = (2 * certain.corners >= any.corners ? certain : any).all();
+  if (result.all_oppose && 2 * certain.corners < any.corners) oppose_all(mesh, has_area, result);
   result.side = sides_of(joins, agreeing, std::move(agrees));
   result.unsupported.assign(n, false);
   result.may_be_meant.assign(n, false);

@@ -50,8 +50,8 @@ struct NormalChecks {
                                   // shares it, no usual average of these, and not on a hull turned inside
                                   // out around the same mesh
   // At the borders of triangles that lie back to back, as of leaves on cards, or as transferred_normals.h has
-  // it; or all unsupported ones, if fewer than a tenth of the normals are beyond near_deg and none is beyond
-  // in_front_deg.
+  // it; or all unsupported ones, if at most 24, fewer than a tenth of the normals are beyond near_deg and
+  // none is beyond in_front_deg.
   std::vector<bool> may_be_meant;
   std::vector<bool> departing;  // more than near_deg from every triangle that shares it, no usual average,
                                 // and not unsupported

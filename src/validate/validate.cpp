@@ -403,7 +403,7 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Corner
   if (error == no_code && smooth_.tangents[v] == Claim::beyond && !is_average &&
       (!accurate_.known() || accurate_.tangent(v) == Claim::none))
     warn(counts.local_tangents, smooth_.angles[v].projected_tangent);
-  if (!normal_error(v) && smooth_.normals[v] == Claim::beyond &&
+  if (!normal_error(v) && !is_unsupported(v) && smooth_.normals[v] == Claim::beyond &&
       (!accurate_.known() || accurate_.normal(v) == Claim::none))
     warn(counts.local_normals, smooth_.angles[v].normal);
 }

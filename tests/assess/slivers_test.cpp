@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -152,12 +154,82 @@ TEST(Slivers, WithinTheRoundingOfPositionsOpposeNoWinding) {
 TEST(Slivers, SignsOfANormalThatFacesAwayFromATriangleAreOpen) {
   Mesh mesh = with_tangents(hills());
   const std::uint32_t v = at(9, 9);
-  // On the back of one of its six triangles, in front of the others.
-  mesh.positions[at(10, 10)].z += 8;
   mesh.tangents[v].w = -mesh.tangents[v].w;
-  EXPECT_EQ(count_of(mesh, "TANGENT_HANDEDNESS", Severity::error), 6u) << "still in front of all";
-  mesh.normals[v] = unit(V{1, 1, 0.3});
+  EXPECT_EQ(count_of(mesh, "TANGENT_HANDEDNESS", Severity::error), 6u) << "in front of all triangles";
+  // Behind one of the six.
+  mesh.positions[at(10, 10)].z += 8;
+  const V m = mesh.normals[v] = unit(V{0.2, -0.2, 1}), t = unit(V{m.z, 0, -m.x});
+  mesh.tangents[v] = {t.x, t.y, t.z, mesh.tangents[v].w};
   EXPECT_EQ(count_of(mesh, "TANGENT_HANDEDNESS", Severity::error), 0u);
+}
+
+TEST(Slivers, TrianglesWithoutAreaHideNoSigns) {
+  Mesh mesh = with_tangents(hills());
+  for (std::size_t v = 0; v < mesh.positions.size() / 2; ++v) mesh.tangents[v].w = -1;
+  const std::size_t wrong = count_of(mesh, "TANGENT_HANDEDNESS", Severity::error);
+  EXPECT_GT(wrong, 4000u);
+  const std::vector<Triangle> triangles = mesh.triangles;
+  for (const auto& [a, b, c] : triangles) mesh.triangles.push_back({a, b, b});
+  EXPECT_EQ(count_of(mesh, "TANGENT_HANDEDNESS", Severity::error), wrong);
+  // Nor do rows that lie on one line of the texture hide more than their own.
+  Mesh rows = with_tangents(hills());
+  for (std::uint32_t j = 1; j <= n; j += 2)
+    for (std::uint32_t i = 0; i <= n; ++i) rows.uvs[at(i, j)].y = rows.uvs[at(i, j - 1)].y;
+  for (std::uint32_t j = 0; j <= n; ++j)
+    for (std::uint32_t i = 0; i < n / 3; ++i) rows.tangents[at(i, j)].w = -1;
+  EXPECT_GT(count_of(rows, "TANGENT_HANDEDNESS", Severity::error), 1400u);
+}
+
+// Turned inside out, with slivers, or so coarsely quantised that rounding leaves most planes open.
+TEST(Slivers, DoNotHideThatAllNormalsOppose) {
+  Mesh slivers = hills();
+  for (std::uint32_t k = 0; k < 50; ++k) {
+    const auto first = static_cast<std::uint32_t>(slivers.positions.size());
+    const float y = std::nextafter(10.F, 11.F);
+    for (const V& p : {V{10, 10, 1}, V{11, 10, 1}, V{10.5, y, 1}}) {
+      slivers.positions.push_back(p);
+      slivers.normals.push_back({0, 0, 1});
+      slivers.uvs.push_back({p.x / n, p.y / n});
+    }
+    slivers.triangles.push_back({first, first + 1, first + 2});
+  }
+  Mesh coarse = hills();
+  constexpr double step = 0.5;
+  for (V& p : coarse.positions) p = {p.x, p.y, step * std::round(p.z / step)};
+  coarse.half_steps.position = 0.5 * step;
+  for (Mesh mesh : {slivers, coarse}) {
+    for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+    EXPECT_EQ(count_of(mesh, "NORMAL_ANGLE", Severity::error), 0u);
+    EXPECT_GT(count_of(mesh, "NORMALS_OPPOSE_WINDING", Severity::warning), 9000u);
+  }
+}
+
+// A triangle as long as high is seen, however coarse the steps of its positions are.
+TEST(Slivers, CoarseStepsHideNoTangents) {
+  Mesh mesh = with_tangents(hills());
+  constexpr double step = 0.5;
+  for (V& p : mesh.positions) p = {p.x, p.y, step * std::round(p.z / step)};
+  mesh.half_steps.position = 0.5 * step;
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    const V& m = mesh.normals[v];
+    mesh.tangents[v] = {m.x, m.y, m.z, 1};
+  }
+  EXPECT_EQ(count_of(mesh, "TANGENT_NOT_ORTHOGONAL", Severity::error), mesh.corners());
+}
+
+// A patch of neighbouring vertices is no few slivers.
+TEST(Slivers, PatchesAreErrors) {
+  Mesh mesh = with_tangents(hills());
+  Mesh flat = hills();
+  for (std::uint32_t j = 10; j < 15; ++j)
+    for (std::uint32_t i = 10; i < 16; ++i) {
+      const std::uint32_t v = at(i, j);
+      const V b = cross(mesh.normals[v], mesh.tangents[v].xyz());
+      mesh.tangents[v] = {b.x, b.y, b.z, 1};
+      flat.normals[v] = {0.6, 0.8, 0};
+    }
+  EXPECT_GT(count_of(mesh, "TANGENT_ANGLE", Severity::error), 100u);
+  EXPECT_GT(count_of(flat, "NORMAL_ANGLE", Severity::error), 50u);
 }
 
 }  // namespace
