@@ -242,12 +242,6 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
     result.text = "it explains the positions only " + rounded(explained, 2) + " times as well as a plane";
     return result;
   }
-  if (share_across(mesh, fit) > most_across) {
-    result.log10_odds = -10;
-    result.rival = "polyhedron";
-    result.text = "its triangles lie across the surface that its positions lie on";
-    return result;
-  }
   // Positions: spare orbits.
   Orbits orbits;
   const Eigen::Isometry3d& placement = fit.surface.placement;
@@ -290,6 +284,12 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
               ? std::fmin((compared.tight >= 0.8 ? 1.5 : 1) * static_cast<double>(orbits.count), most_normals)
           : compared.agree >= 0.5 ? 0
                                   : -3;
+    if (normals < 0 && share_across(mesh, fit) > most_across) {
+      result.log10_odds = -10;
+      result.rival = "polyhedron";
+      result.text = "its triangles lie across the surface that its positions lie on";
+      return result;
+    }
   } else if (faceted) {
     normals = -4;
   }
