@@ -80,7 +80,7 @@ inline constexpr Reason unsure{
         "; more than 80 deg from their own triangles, at borders, at slivers or where normals are smooth, "
         "which "
         "may be meant",
-        "nothing at slivers, nor where cards, skirts or crowns are lit as the ground or the whole is; else "
+        "nothing, where cards, skirts or crowns are lit as the ground or the whole is, or at slivers; else "
         "recompute normals"},
     departing{"; more than 60 deg from their own triangles, and no average of these",
               "nothing, where they are authored; else recompute normals"};
