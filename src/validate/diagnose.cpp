@@ -245,6 +245,15 @@ std::optional<std::string> rotation_of(const std::vector<Pair>& samples) {
   return ": by a map that turns";
 }
 
+// The planes of the triangles, on the side of the normals.
+std::vector<Vec3<double>> planes_of(const MeshUnderTest& under_test) {
+  const double side = under_test.normals.all_oppose ? -1 : 1;
+  std::vector<Vec3<double>> result;
+  for (const Triangle& t : under_test.mesh.triangles)
+    result.push_back(side * unit(area_vector(under_test.mesh, t)));
+  return result;
+}
+
 // Pairs of stored normal and plane normal for vertices whose triangles all lie in one plane: at hard edges
 // and on facets no other normal is right. Vertices with one place and one normal, as along uv seams, count as
 // one.
@@ -253,36 +262,26 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
   const double same_plane = limit / 2;
   VertexJoins of_part;
   const std::vector<std::uint32_t>& joined = joins_of(under_test, of_part).position_and_normal;
+  const std::vector<Vec3<double>> planes = planes_of(under_test);
   std::vector<Vec3<double>> plane(mesh.positions.size());
   std::vector<bool> is_bent(mesh.positions.size(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!under_test.has_area[t]) continue;
-    const Vec3<double> n = unit(area_vector(mesh, mesh.triangles[t]));
     for (const std::uint32_t v : mesh.triangles[t]) {
       const std::uint32_t at = joined[v];
-      if (plane[at] == Vec3<double>{}) plane[at] = n;
-      is_bent[at] = is_bent[at] || !(angle_deg(plane[at], n) <= same_plane);
+      if (plane[at] == Vec3<double>{}) plane[at] = planes[t];
+      is_bent[at] = is_bent[at] || !(angle_deg(plane[at], planes[t]) <= same_plane);
     }
   }
-  const double side = under_test.normals.all_oppose ? -1 : 1;
   const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / most_samples);
   std::vector<Pair> samples;
   for (std::size_t v = 0; v < mesh.positions.size(); v += step) {
     const Vec3<double>& n = mesh.normals[v];
     const Vec3<double>& across = plane[joined[v]];
     if (across == Vec3<double>{} || is_bent[joined[v]] || !detail::finite(n) || n == Vec3<double>{}) continue;
-    samples.push_back({v, unit(n), side * across, {}, {}, 1, 1, limit});
+    samples.push_back({v, unit(n), across, {}, {}, 1, 1, limit});
   }
   return samples;
-}
-
-// The planes of the triangles, on the side of the normals.
-std::vector<Vec3<double>> planes_of(const MeshUnderTest& under_test) {
-  const double side = under_test.normals.all_oppose ? -1 : 1;
-  std::vector<Vec3<double>> result;
-  for (const Triangle& t : under_test.mesh.triangles)
-    result.push_back(side * unit(area_vector(under_test.mesh, t)));
-  return result;
 }
 
 // Calls f(t, other, turn in degrees) for both triangles of each edge.
@@ -328,15 +327,13 @@ std::vector<Pair> without_rounded(const MeshUnderTest& under_test, std::vector<P
   return samples;
 }
 
-// Normals beside the averages of their triangles by angle, which those of a coarse mesh miss by no more than
-// one and a half of the turn from triangle to triangle.
+// Normals beside the averages of their triangles by angle.
 std::vector<Pair> normals_of_averages(const MeshUnderTest& under_test, double limit) {
   const Mesh& mesh = under_test.mesh;
   VertexJoins of_part;
   const std::vector<std::uint32_t>& joined = joins_of(under_test, of_part).position_and_normal;
   const std::vector<Vec3<double>> planes = planes_of(under_test);
   std::vector<Vec3<double>> sums(mesh.positions.size());
-  std::vector<double> turns(mesh.positions.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!under_test.has_area[t]) continue;
     const Triangle& triangle = mesh.triangles[t];
@@ -348,14 +345,6 @@ std::vector<Pair> normals_of_averages(const MeshUnderTest& under_test, double li
                 planes[t];
     }
   }
-  // A hard edge does not count: its two sides have normals of their own.
-  for_each_turn(under_test, planes, [&](std::uint32_t t, std::uint32_t other, double turn) {
-    const auto& [a, b, c] = mesh.triangles[other];
-    for (const std::uint32_t v : mesh.triangles[t])
-      if (const std::uint32_t at = joined[v];
-          turn <= crease_deg || at == joined[a] || at == joined[b] || at == joined[c])
-        turns[at] = std::fmax(turns[at], turn);
-  });
   const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / most_samples);
   std::vector<Pair> samples;
   for (std::size_t v = 0; v < mesh.positions.size(); v += step) {
@@ -363,9 +352,27 @@ std::vector<Pair> normals_of_averages(const MeshUnderTest& under_test, double li
     const Vec3<double> average = unit(sums[joined[v]]);
     if (average == Vec3<double>{} || !detail::finite(average) || !detail::finite(n) || n == Vec3<double>{})
       continue;
-    samples.push_back({v, unit(n), average, {}, {}, 1, 1, std::fmax(limit, round_turn * turns[joined[v]])});
+    samples.push_back({v, unit(n), average, {}, {}, 1, 1, limit});
   }
   return samples;
+}
+
+// Widens their limits to what exact normals of a coarse mesh miss averages by: one and a half of the turn
+// from triangle to triangle.
+void widen_by_turns(const MeshUnderTest& under_test, std::vector<Pair>& samples) {
+  const Mesh& mesh = under_test.mesh;
+  VertexJoins of_part;
+  const std::vector<std::uint32_t>& joined = joins_of(under_test, of_part).position_and_normal;
+  std::vector<double> turns(mesh.positions.size(), 0);
+  // A hard edge does not count: its two sides have normals of their own.
+  for_each_turn(under_test, planes_of(under_test), [&](std::uint32_t t, std::uint32_t other, double turn) {
+    const auto& [a, b, c] = mesh.triangles[other];
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (const std::uint32_t at = joined[v];
+          turn <= crease_deg || at == joined[a] || at == joined[b] || at == joined[c])
+        turns[at] = std::fmax(turns[at], turn);
+  });
+  for (Pair& s : samples) s.limit = std::fmax(s.limit, round_turn * turns[joined[s.corner]]);
 }
 
 // Normals whose estimates from the neighbours have three standard deviations within two fifths of the limit.
@@ -432,7 +439,8 @@ bool diagnose_unknown(const MeshUnderTest& under_test, const ValidateOptions& op
   if (are_off(neighbours) && !are_averages(under_test, neighbours) &&
       add_map(under_test, neighbours, known_to * limit, report))
     return true;
-  const std::vector<Pair> averages = normals_of_averages(under_test, limit);
+  std::vector<Pair> averages = normals_of_averages(under_test, limit);
+  if (are_off(averages)) widen_by_turns(under_test, averages);
   return are_off(averages) && !are_averages(under_test, averages) &&
          add_map(under_test, averages, known_to * limit, report);
 }

@@ -352,6 +352,18 @@ bool are_slivers(const std::vector<bool>& unsupported, const std::vector<bool>& 
   return 10 * off < all && those <= most;
 }
 
+// Marks all triangles that oppose their normals, however uncertain their planes are.
+void oppose_all(const Mesh& mesh, const std::vector<bool>& has_area, NormalChecks& result) {
+  result.opposing = 0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3<double> plane = area_vector(mesh, mesh.triangles[t]);
+    result.opposes[t] = has_area[t];
+    for (const std::uint32_t v : mesh.triangles[t])
+      result.opposes[t] = result.opposes[t] && dot(mesh.normals[v], plane) < 0;
+    result.opposing += result.opposes[t] ? 3 : 0;
+  }
+}
+
 }  // namespace
 
 double cosine_between(const Vec3<double>& t, const Vec3<double>& n) {
@@ -394,18 +406,6 @@ VertexChecks check_vertex(const Mesh& mesh, std::uint32_t v) {
     c.leans = !c.along_normal && along > orthogonal_tolerance + rounding;
   }
   return c;
-}
-
-// Marks all triangles that oppose their normals, however uncertain their planes are.
-void oppose_all(const Mesh& mesh, const std::vector<bool>& has_area, NormalChecks& result) {
-  result.opposing = 0;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3<double> plane = area_vector(mesh, mesh.triangles[t]);
-    result.opposes[t] = has_area[t];
-    for (const std::uint32_t v : mesh.triangles[t])
-      result.opposes[t] = result.opposes[t] && dot(mesh.normals[v], plane) < 0;
-    result.opposing += result.opposes[t] ? 3 : 0;
-  }
 }
 
 NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, const VertexJoins& joins) {

@@ -10,6 +10,7 @@
 
 #include <darboux/plane.h>
 
+#include "base/quantile.h"
 #include "base/text.h"
 #include "clump.h"
 #include "correlation.h"
@@ -18,6 +19,7 @@
 #include "fit/common/intervals.h"
 #include "fit/common/kinds.h"
 #include "fit/common/normalised_points.h"
+#include "geometry.h"
 #include "list.h"
 #include "report.h"
 #include "select.h"
@@ -277,6 +279,35 @@ FitOfOthers fit_of_others(const PointCloud& points, const std::vector<bool>& lef
   return {std::move(fit), scale};
 }
 
+// Whether about half of the inliers lie within the noise of one plane: a bound that costs little, before a
+// plane is fitted.
+bool may_be_a_plane(const PointCloud& points, const PointFit& fit) {
+  constexpr double sigmas = 4, share = 0.5;
+  Eigen::Matrix3Xd inliers(3, static_cast<Eigen::Index>(fit.inliers));
+  Eigen::Index n = 0;
+  for (std::size_t i = 0; i < fit.is_inlier.size(); ++i)
+    if (fit.is_inlier[i] && n < inliers.cols()) inliers.col(n++) = to_eigen(points.positions[i]);
+  Eigen::Matrix3Xd near = inliers.leftCols(n);
+  // Each time, the plane of the half that is nearest to the last one.
+  for (int repeat = 0; repeat < 5 && near.cols() > 3; ++repeat) {
+    const Vector3d mean = near.rowwise().mean();
+    const Eigen::Matrix3Xd q = near.colwise() - mean;
+    const Vector3d direction = least_direction(q * q.transpose());
+    const Eigen::VectorXd distances = ((inliers.colwise() - mean).transpose() * direction).cwiseAbs();
+    if (static_cast<double>((distances.array() < sigmas * fit.sigma).count()) >=
+        share * static_cast<double>(inliers.cols()))
+      return true;
+    std::vector<double> sorted(distances.data(), distances.data() + distances.size());
+    const double middle = median(sorted);
+    near.resize(3, inliers.cols());
+    Eigen::Index kept = 0;
+    for (Eigen::Index i = 0; i < inliers.cols(); ++i)
+      if (distances[i] <= middle) near.col(kept++) = inliers.col(i);
+    near.conservativeResize(3, kept);
+  }
+  return false;
+}
+
 // If a kind is named and half of the points belong to the ground, a nearly plane surface of that kind is
 // likelier than the intended one, and its parameters are hardly determined. Then the points of the plane are
 // left out: docs/theory/fit.md. \param all the fit of all points
@@ -285,7 +316,8 @@ std::optional<PointFit> fit_beside_plane(const PointCloud& points, const Normali
                                          const PointFit& all) {
   constexpr double most = 0.6, enough = 0.5, as_noisy = 1.1;
   const Primitive* plane_primitive = primitive_named("plane");
-  if (!only || only == plane_primitive || options.guess) return std::nullopt;
+  if (!only || only == plane_primitive || options.guess || (all.usable && !may_be_a_plane(points, all)))
+    return std::nullopt;
   PointFitOptions quiet = options;
   quiet.progress = nullptr;
   const PointFit plane = PrimitivesFit(points, normal, quiet, plane_primitive, Effort::full).run();
