@@ -28,7 +28,7 @@ TEST_F(Cli, SurfacesHasTheContractsKeys) {
 }
 
 TEST_F(Cli, CheckPassesForTheCatalogueAndRepeats) {
-  const Json document = json("darboux check --points 200 --seed 7 --json");
+  const Json document = json("darboux check --points 50 --seed 7 --json");
   EXPECT_EQ(document["passed"], true);
   for (const Json& c : document["checks"]) {
     expect_keys(c, {"surface", "route", "quantity"});
@@ -41,8 +41,8 @@ TEST_F(Cli, CheckPassesForTheCatalogueAndRepeats) {
     EXPECT_GT(c["points"].get<int>(), 0) << c;
     EXPECT_LE(c["max_error"].get<double>(), c["bound"].get<double>()) << c;
   }
-  EXPECT_EQ(document, json("darboux check --points 200 --seed 7 --threads 3 --json"));
-  EXPECT_NE(document, json("darboux check --points 200 --seed 8 --json"));
+  EXPECT_EQ(document, json("darboux check --points 50 --seed 7 --threads 3 --json"));
+  EXPECT_NE(document, json("darboux check --points 50 --seed 8 --json"));
   EXPECT_EQ(json("darboux check torus:minor_radius=0.4 --points 5 --json")["checks"][0]["surface"], "torus");
 }
 

@@ -11,6 +11,7 @@
 #include <darboux/plane.h>
 
 #include "base/quantile.h"
+#include "base/degrees.h"
 #include "base/text.h"
 #include "clump.h"
 #include "correlation.h"
@@ -62,10 +63,12 @@ class PrimitivesFit {
     fit_.is_inlier.assign(cloud.positions.size(), false);
   }
 
-  PointFit run() && {
+  PointFit run() {
     fit_.reason = reason();
     return std::move(fit_);
   }
+  // Whether the inliers' distances are noise, as far as it shows. \pre run
+  bool are_noise() const { return are_noise_; }
 
  private:
   bool automatic() const { return only_ == nullptr; }
@@ -200,6 +203,13 @@ class PrimitivesFit {
     return tried;
   }
 
+  std::string edge_text(const Primitive& primitive, const EdgeEffect& effect) const {
+    const bool is_length = effect.length < static_cast<std::size_t>(primitive.lengths);
+    return "without the outermost points the " + std::string(primitive.length_names[effect.length]) + " is " +
+           rounded((is_length ? points_.scale : degrees_per_radian) * effect.without_edge, 5) +
+           (is_length ? "" : " degrees") + ": those may belong to a surface that joins it; leave them out";
+  }
+
   std::string report(const std::vector<PrimitiveFit>& tried) {
     Selection selection = select(tried, points_.scale);
     const PrimitiveFit& best = tried[selection.order.front()];
@@ -231,6 +241,7 @@ class PrimitivesFit {
                                 " apart, as of the two sides of a wall";
       if (automatic()) return "undetermined: the nearest is " + name + ", but " + walls + ": cut them apart";
       selection.reason += "; " + walls;
+      are_noise_ = false;
     }
     if (are_alike) {
       const std::string alike = "distances of neighbouring points are correlated, so they are not noise";
@@ -239,7 +250,11 @@ class PrimitivesFit {
                "; the surface is of another kind, or that was not found: naming it or a guess help";
       selection.reason +=
           "; " + alike + ": the surface departs from " + name + ", and errors are understated";
+      are_noise_ = false;
     }
+    if (best.sigma > points_.stored_rounding())
+      if (const auto effect = edge_effect(points_.cloud, best, is_inlier))
+        selection.reason += "; " + edge_text(*best.primitive, *effect);
     report_surface(best, points_, noise, fit_);
     fit_.usable = true;
     return selection.reason;
@@ -251,12 +266,14 @@ class PrimitivesFit {
   std::span<const Primitive* const> list_;
   NormalisedPoints points_;
   PointFit fit_;
+  bool are_noise_ = true;
 };
 
-// The fit of the points that were kept, and its unit of length.
+// The fit of the points that were kept, its unit of length, and whether their distances are noise.
 struct FitOfOthers {
   PointFit fit;
   double scale;
+  bool are_noise;
 };
 FitOfOthers fit_of_others(const PointCloud& points, const std::vector<bool>& left_out,
                           const PointFitOptions& options, const Primitive* only) {
@@ -270,13 +287,14 @@ FitOfOthers fit_of_others(const PointCloud& points, const std::vector<bool>& lef
   }
   NormalisedPoints normal = normalised(others);
   const double scale = normal.scale;
-  PointFit fit = PrimitivesFit(others, std::move(normal), options, only, Effort::full).run();
+  PrimitivesFit fits(others, std::move(normal), options, only, Effort::full);
+  PointFit fit = fits.run();
   std::vector<bool> is_inlier(left_out.size(), false);
   for (std::size_t k = 0; k < index.size(); ++k) is_inlier[index[k]] = fit.is_inlier[k];
   const auto left = static_cast<std::size_t>(std::count(left_out.begin(), left_out.end(), true));
   fit.is_inlier = std::move(is_inlier);
   fit.outliers += left;
-  return {std::move(fit), scale};
+  return {std::move(fit), scale, fits.are_noise()};
 }
 
 // Whether about half of the inliers lie within the noise of one plane: a bound that costs little, before a
@@ -325,15 +343,14 @@ std::optional<PointFit> fit_beside_plane(const PointCloud& points, const Normali
   std::size_t common = 0;
   for (std::size_t i = 0; i < plane.is_inlier.size(); ++i) common += plane.is_inlier[i] && all.is_inlier[i];
   if (static_cast<double>(common) < most * static_cast<double>(all.inliers)) return std::nullopt;
-  PointFit beside = fit_of_others(points, plane.is_inlier, quiet, only).fit;
+  auto [beside, scale, are_noise] = fit_of_others(points, plane.is_inlier, quiet, only);
   if (!beside.usable ||
       static_cast<double>(beside.inliers) < enough * static_cast<double>(normal.finite - plane.inliers))
     return std::nullopt;
   // An object on the ground was measured in the same way. If its noise is larger, it is of another kind.
   constexpr double noisier = 1.5;
   const bool is_exact = plane.sigma <= normal.scale * normal.stored_rounding();
-  if (beside.reason != "converged" || (!is_exact && beside.sigma > noisier * plane.sigma))
-    return std::nullopt;
+  if (!are_noise || (!is_exact && beside.sigma > noisier * plane.sigma)) return std::nullopt;
   beside.iterations += all.iterations + plane.iterations;
   beside.reason += "; a plane of " + std::to_string(plane.inliers) + " points beside it is left out";
   return beside;
@@ -368,7 +385,7 @@ class ClumpedFit {
   PointFit run() const {
     std::vector<bool> in_clump(points_.positions.size(), false);
     normal_.spread(clump_, in_clump);
-    auto [beside, scale] = fit_of_others(points_, in_clump, options_of_half(0), only_);
+    auto [beside, scale, are_noise] = fit_of_others(points_, in_clump, options_of_half(0), only_);
     const std::string clump =
         "a clump of " + std::to_string(std::count(in_clump.begin(), in_clump.end(), true)) + " points";
     if (beside.usable && is_clutter(beside, scale)) return left_out(std::move(beside), clump);

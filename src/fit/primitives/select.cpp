@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <string_view>
 #include <utility>
@@ -115,11 +116,20 @@ double curvature_across(const PrimitiveFit& f) {
                   (std::fabs(ring - tube) + most_deviations(f) * spread) / least_length(f, 1));
 }
 
-constexpr std::array<Nesting, 7> nestings{{
+// The angle of the meridian with the axis in the middle of the points, the origin: the radius of curvature at
+// the vertex over the distance from the axis, which is known far better.
+double opening(const PrimitiveFit& f) {
+  const double height = -f.surface.axes.col(2).dot(f.surface.centre);
+  return height > 0 ? std::atan(upper(f, 0) / std::sqrt(2 * f.surface.lengths[0] * height))
+                    : std::numbers::pi / 2;
+}
+
+constexpr std::array<Nesting, 8> nestings{{
     {"plane", "sphere", 0.2, [](const PrimitiveFit& f) { return 1 / least_length(f, 0); }},
     {"plane", "cylinder", 0.2, [](const PrimitiveFit& f) { return 1 / least_length(f, 0); }},
     {"sphere", "ellipsoid", 0.3, flattening},
     {"cylinder", "cone", 8 / degrees_per_radian, [](const PrimitiveFit& f) { return upper(f, 0); }},
+    {"cylinder", "elliptic-paraboloid", 8 / degrees_per_radian, opening},
     {"cylinder", "torus", 0.1, curvature_across},
     {"cylinder", "ellipsoid", 0.15, curvature_along},
     {"elliptic-paraboloid", "ellipsoid", 0.2, closing},
@@ -230,24 +240,25 @@ Choice choose(const std::vector<PrimitiveFit>& tried, const std::vector<Determin
         most + price(chosen) * (other.primitive->unknowns - chosen.primitive->unknowns) < -margin)
       return undetermined(false, ": the points speak for " + with_article(tried[i].primitive->name) +
                                      ", which " + determinacies[i].why);
-    if (!nested) {
-      // Every kind has the plane as a limit; sphere and cylinder show how far from it the points allow them
-      // to be. A kind is no rival if it explains too few of the points to be the answer, or if it has far
-      // more noise and is still far less likely: on its footing the chosen one's lead hardly counts.
-      constexpr double far_less_likely = 100;
-      const bool is_none =
-          other.primitive != chosen.primitive &&
-          (!explains_enough(other) ||
-           (other.sigma > 10 * chosen.sigma && evidence(other) < evidence(chosen) - far_less_likely));
-      const double clear = nesting(other, chosen) ? clear_of_limit(chosen) : margin;
-      if (!chosen.primitive->is_plane && !is_none && (least < clear || !is_told_by_inliers(chosen, other)))
-        return undetermined(true, help);
+    const double departure = nested ? nested->departure(other) : 0;
+    if (nested && departure < nested->most) {
+      if (remark.empty() && departure > 0.05 * nested->most)
+        remark = "; " + with_article(other.primitive->name) + " cannot be excluded";
       continue;
     }
-    const double departure = nested->departure(tried[i]);
-    if (!(departure < nested->most)) return undetermined(true, help);
-    if (remark.empty() && departure > 0.05 * nested->most)
-      remark = "; " + with_article(tried[i].primitive->name) + " cannot be excluded";
+    if (chosen.primitive->is_plane) {
+      if (nested) return undetermined(true, help);
+      continue;
+    }
+    // Every kind has the plane as a limit; sphere and cylinder show how far from it the points allow them to
+    // be. A kind is no rival if it explains too few of the points to be the answer, or if it has far more
+    // noise and is still far less likely: on its footing the chosen one's lead hardly counts.
+    constexpr double far_less_likely = 100;
+    const bool is_none = other.primitive != chosen.primitive &&
+                         (!explains_enough(other) || (other.sigma > 10 * chosen.sigma &&
+                                                      evidence(other) < evidence(chosen) - far_less_likely));
+    const double clear = nesting(other, chosen) ? clear_of_limit(chosen) : margin;
+    if (!is_none && (least < clear || !is_told_by_inliers(chosen, other))) return undetermined(true, help);
   }
   return {best, true, false, "converged" + remark};
 }

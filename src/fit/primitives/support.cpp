@@ -15,6 +15,9 @@ namespace {
 
 constexpr int most = 64;  // cells along a coordinate
 
+// Points further off than this many standard deviations of the noise are not near.
+constexpr double near_deviations = 20;
+
 struct NearPoint {
   std::size_t point;
   double weight;
@@ -85,7 +88,7 @@ class Cells {
 
 void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
                       const GeometricParameters& surface, std::vector<NearPoint>& near, double total,
-                      double least_sigma, PointStates& states) {
+                      double sigma, double least_sigma, PointStates& states) {
   const int cells = std::min(12, static_cast<int>(std::sqrt(total / 60)));
   const Moments m = moments(near, cloud, total);
   const GeometricParameters frame = primitive.support.frame(surface, m.mean, m.scatter);
@@ -96,7 +99,7 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
   const Cells along_a(near, &SupportCoordinates::a, primitive.support.range_a, total, cells),
       along_b(near, &SupportCoordinates::b, primitive.support.range_b, total, cells);
   std::vector<double> count(most * most, 0), area(most * most, 0), squares(most * most, 0);
-  std::vector<int> points(most * most, 0);
+  std::vector<int> points(most * most, 0), within(most * most, 0), beside(most * most, 0);
   for (NearPoint& x : near) {
     const double a = along_a(x.at.a), b = along_b(x.at.b);
     x.cell = a >= 0 && a < most && b >= 0 && b < most ? static_cast<int>(a) * most + static_cast<int>(b) : -1;
@@ -106,6 +109,7 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
     squares[cell] += x.weight * states.error(x.point) * states.error(x.point);
     area[cell] += x.at.area;
     ++points[cell];
+    ++(std::fabs(states.error(x.point)) <= 3 * sigma ? within : beside)[cell];
   }
   std::vector<double> density(most * most, 0), variances;
   std::vector<std::pair<double, double>> densities;  // with the points that have it
@@ -149,9 +153,15 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
   }
   std::sort(densities.begin(), densities.end());
   const double typical = densities.empty() ? 0 : weighted_quantile(densities, 0.5 * total);
+  // Sparse points are no outliers where hardly any lie beside the band of the noise: outliers would lie there
+  // too, as densely. Three more than were seen may be expected.
+  const auto is_clean = [&](std::size_t c) {
+    constexpr double few = 0.1, band = 3, beyond = near_deviations - band;
+    return (beside[c] + 3) * band / beyond < few * within[c];
+  };
   for (const NearPoint& x : near) {
     const auto c = static_cast<std::size_t>(x.cell);
-    states.in_support[x.point] = x.cell >= 0 && density[c] >= 0.3 * typical && !is_clump[c];
+    states.in_support[x.point] = x.cell >= 0 && (density[c] >= 0.3 * typical || is_clean(c)) && !is_clump[c];
   }
 }
 
@@ -200,13 +210,13 @@ void find_support(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
   std::vector<NearPoint> near;
   double total = 0;
   for (std::size_t i = 0; i < states.d.size(); ++i) {
-    if (!states.regular[i] || std::fabs(states.error(i)) > 20 * mixture.sigma) continue;
+    if (!states.regular[i] || std::fabs(states.error(i)) > near_deviations * mixture.sigma) continue;
     near.push_back({i, inlier_probability(states.error(i), mixture), {}, 0});
     total += near.back().weight;
   }
   states.in_support = states.regular;
   if (total >= 240)
-    keep_dense_cells(primitive, cloud, surface, near, total, mixture.least_sigma, states);
+    keep_dense_cells(primitive, cloud, surface, near, total, mixture.sigma, mixture.least_sigma, states);
   else if (total >= 16)
     keep_points_with_neighbours(cloud, near, total, mixture.least_sigma, states);
 }

@@ -9,7 +9,8 @@
 namespace darboux::fit {
 
 // Sets states.in_support. The surface is cut into cells. A cell keeps its points if their density is at least
-// 0.3 of the median density over the points. Few points get fewer cells, or none.
+// 0.3 of the median density over the points, or if hardly any outliers are in it. Few points get fewer cells,
+// or none.
 void find_support(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
                   const GeometricParameters& surface, const Mixture& mixture, PointStates& states);
 
