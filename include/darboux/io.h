@@ -264,7 +264,7 @@ struct PointFile {
 PointCloud distinct_points(const PointFile& file);
 
 /// Reads sampled points, in the order of the file, by its extension:
-///   .xyz .txt .csv .tsv  a point per line, columns between semicolons, else commas, else blanks or tabs (the
+///   .xyz .txt .csv .tsv .asc .pts  a point per line, columns between semicolons, else commas, else blanks or tabs (the
 ///                        first line decides), in quotes or not. A header, which begins with a name or an
 ///                        empty field, names them in any order and case: x y z, nx ny nz, u v; columns of
 ///                        other names, and groups that are not complete, are passed over. It may stand behind

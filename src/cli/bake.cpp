@@ -46,11 +46,14 @@ Place placed_on(const AnySurface& surface, std::span<const MapPiece> pieces, con
   } catch (const UndeterminedError&) {
   } catch (const MeshError&) {
   }
-  throw FileError(file, expected_got("a mesh of the surface, its parameters given, as in --surface "
-                                     "ellipsoid:semi_axis_x=3",
-                                     std::isinf(off) ? "one at whose uvs the surface has no value"
-                                                     : "one that is off it by " + rounded(100 * off, 3) +
-                                                           " % of its size (rms) at its uvs"));
+  throw FileError(
+      file, expected_got("a mesh of the surface, its parameters given, as in --surface "
+                         "ellipsoid:semi_axis_x=3",
+                         std::isinf(off)
+                             ? "one at whose uvs the surface has no value"
+                             : "one that is off it by " + rounded(100 * off, 3) +
+                                   " % of its size (rms) at its uvs, which must be those of the surface: not "
+                                   "mirrored, not packed into an atlas"));
 }
 
 Json report_json(const BakeArguments& a, const Place& place, const BakeResult& r,

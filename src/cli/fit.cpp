@@ -344,7 +344,7 @@ void add_fit(CLI::App& app, Common& common) {
       *app.add_subcommand("fit", "Find the surface that sampled points lie on, and the frames at the points");
   auto arguments = std::make_shared<FitArguments>();
   sub.add_option("FILE", arguments->file,
-                 "points: .xyz, .txt, .csv, .tsv, .ply, .pcd, .obj, .stl, .glb or .gltf")
+                 "points: .xyz, .txt, .csv, .tsv, .asc, .pts, .ply, .pcd, .obj, .stl, .glb or .gltf")
       ->required();
   sub.add_option("--surface", arguments->surface,
                  "the kind of surface, or auto for the kind that explains the points best; an unknown name "

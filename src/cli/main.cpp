@@ -48,6 +48,9 @@ std::string unexpected(const CLI::App& sub) {
     else if (io::parse_number(text) && std::find(known.begin(), known.end(), "--at") != known.end())
       got += " (the numbers of one value are joined by commas, as 0.3,0.7)";
   }
+  const auto positional = sub.get_options([](const CLI::Option* o) { return o->get_positional(); });
+  if (positional.size() == 1 && positional[0]->get_items_expected_max() == 1 && positional[0]->count() > 0)
+    got += " after its " + positional[0]->get_name();
   return expected_got("options and arguments of " + sub.get_name(), got);
 }
 

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <map>
 #include <set>
@@ -9,6 +10,7 @@
 #include <utility>
 
 #include "base/counted.h"
+#include "base/text.h"
 #include "validate_files.h"
 
 namespace darboux {
@@ -296,6 +298,29 @@ void print_rest(const std::vector<AssessedFile>& files) {
     std::cout << "  " << counted(count, "primitive") << " not judged: " << reason << '\n';
 }
 
+// "pass, with warnings"
+std::string verdict_text(const AssessedFile& file) {
+  const std::vector<CodeTotal> totals = totals_of(std::span(&file, 1));
+  const bool with_warnings =
+      file.verdict == Verdict::pass && std::any_of(totals.begin(), totals.end(), [](const CodeTotal& t) {
+        return t.first->severity == Severity::warning;
+      });
+  return std::string(name_of(file.verdict)) + (with_warnings ? ", with warnings" : "");
+}
+
+// New tangents mend errors of tangents (docs/findings.md), where normals are right.
+void print_command(const AssessedFile& file, const std::vector<CodeTotal>& totals) {
+  const auto has_error = [&](std::string_view of) {
+    return std::any_of(totals.begin(), totals.end(), [of](const CodeTotal& t) {
+      return t.first->severity == Severity::error && t.first->code.starts_with(of);
+    });
+  };
+  const std::string extension = lower(std::filesystem::path(file.path).extension().string());
+  if ((extension == ".glb" || extension == ".gltf") && has_error("TANGENT_") && !has_error("NORMAL"))
+    std::cout << "  all errors of tangents at once: darboux tangents " << one_line(file.path) << " -o mended"
+              << extension << '\n';
+}
+
 // The remedies of what was found, each once; where a code has several, with the severity.
 void print_to_do(const std::vector<AssessedFile>& files) {
   const std::vector<CodeTotal> totals = totals_of(files);
@@ -311,6 +336,7 @@ void print_to_do(const std::vector<AssessedFile>& files) {
           std::string(t.first->code) + (severity.empty() ? "" : " (" + severity + ")") + ": " + to_do;
       if (said.insert(line).second) std::cout << "  " << line << '\n';
     }
+  if (files.size() == 1) print_command(files[0], totals);
 }
 
 // The end of a report on several files, which can be read by itself: what was found and what to do, which
@@ -341,7 +367,7 @@ void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool
   if (quiet) {
     for (const AssessedFile& file : files)
       if (file.readable())
-        std::cout << one_line(file.path) << ": " << name_of(file.verdict)
+        std::cout << one_line(file.path) << ": " << verdict_text(file)
                   << (with_baseline && file.verdict > Verdict::pass && !file.worse ? known_verdict : "")
                   << '\n';
     return;
@@ -353,7 +379,7 @@ void print_text(const std::vector<AssessedFile>& files, bool with_baseline, bool
       continue;
     }
     if (!tables && files.size() > 1 && !has_something(file)) continue;
-    std::cout << one_line(file.path) << ": " << name_of(file.verdict) << '\n';
+    std::cout << one_line(file.path) << ": " << verdict_text(file) << '\n';
     if (file.verdict == Verdict::nothing)
       std::cout << "  holds " << nothing_because(file) << (file.lost ? "; it passed in the baseline" : "")
                 << '\n';

@@ -169,7 +169,7 @@ PointFile read_points(const std::string& path, const std::function<void(double)>
     PointFile (*read)(io::PointReader&);
   };
   static const std::vector<Format> formats{
-      {{".xyz", ".txt", ".csv", ".tsv"}, "text with a point per line", io::read_table},
+      {{".xyz", ".txt", ".csv", ".tsv", ".asc", ".pts"}, "text with a point per line", io::read_table},
       {{".obj"}, "OBJ file", io::read_obj_points},
       {{".ply"}, "PLY file", io::read_ply_points},
       {{".pcd"}, "PCD file", io::read_pcd_points},
@@ -182,8 +182,9 @@ PointFile read_points(const std::string& path, const std::function<void(double)>
   io::expect_regular_file(path);
   throw FileError(
       path,
-      expected_got("one of the extensions .xyz, .txt, .csv, .tsv, .ply, .pcd, .obj, .stl, .glb and .gltf",
-                   io::in_quotes(std::filesystem::path(path).extension().string())));
+      expected_got(
+          "one of the extensions .xyz, .txt, .csv, .tsv, .asc, .pts, .ply, .pcd, .obj, .stl, .glb and .gltf",
+          io::in_quotes(std::filesystem::path(path).extension().string())));
 }
 
 }  // namespace darboux

@@ -93,7 +93,8 @@ PointFile read_table(PointReader& reader) {
   PointColumns columns, commented;
   char separator = ' ';
   bool without_header = false;
-  std::string no_normals, left;  // notes
+  std::optional<std::uint64_t> announced;  // the number of points, as a first line of .pts
+  std::string no_normals, left;            // notes
   while (lines.next(columns.slots.empty())) {
     const bool first = columns.slots.empty();
     if (first && (lines.text().starts_with("#") || lines.text().starts_with("//"))) {
@@ -107,6 +108,11 @@ PointFile read_table(PointReader& reader) {
     }
     if (first) separator = separator_of(lines.text());
     split_row(lines.text(), separator, fields);
+    if (first && !announced && fields.size() == 1 && !fields[0].empty() &&
+        fields[0].find_first_not_of("0123456789") == std::string_view::npos && fields[0].size() < 19) {
+      announced = std::stoull(std::string(fields[0]));
+      continue;
+    }
     if (first && is_header(fields)) {
       columns = named_columns(lines.text(), separator, reader, lines);
       continue;
@@ -136,6 +142,10 @@ PointFile read_table(PointReader& reader) {
     reader.add(columns, point, "line ", lines.number());
   }
   PointFile result = reader.finish();
+  if (announced && *announced != result.cloud.positions.size())
+    throw FileError(reader.path(),
+                    expected_got(std::to_string(*announced) + " points, as its first line says",
+                                 std::to_string(result.cloud.positions.size())));
   result.note = left;
   if (!left.empty() && counts_rows(result.cloud.positions))
     throw FileError(reader.path(), expected_got(expected, "row numbers in the first of " +

@@ -112,6 +112,13 @@ class HighPrecision {
       // Of every frame, whatever the oracle can say of its directions.
       orthonormality_.compare(deviation_from_orthonormal(sample.frame),
                               (surface.has_closed_frame() ? 8 : 16) * roundoff, u, v, of);
+      // Next to a singular curve a partial may vanish or be that of the other side, to rounding, which is
+      // compared above; then so is the frame.
+      const auto opposes = [](const Vec3<S>& own, const Vec3<Multiprecision>& other) {
+        const Vec3<Multiprecision> wide{own.x, own.y, own.z};
+        return norm(other) > Multiprecision(0.0) && !(dot(wide, other) > Multiprecision(0.0));
+      };
+      if (opposes(sample.jet.dpdu, exact.jet.dpdu) || opposes(sample.jet.dpdv, exact.jet.dpdv)) continue;
       if (const auto frame = compare_frame(surface, exact, scales, sample, surface.has_closed_frame()))
         for (const auto& [law, c] :
              {std::pair{&tangent_, (*frame)[0]}, {&bitangent_, (*frame)[1]}, {&normal_, (*frame)[2]}})

@@ -107,6 +107,8 @@ MikktspaceComparison compare_with_mikktspace(const MeshUnderTest& under_test,
                      if (m.w != 0 && checks[v].has_tangent) {
                        a = angles_to_mikktspace(mesh, v, checks[v], m, raw);
                        bits.add(mesh.tangents[v], m, corners);
+                       // Far from perpendicular, MikkTSpace's own would differ from itself in projection.
+                       a.projected_tangent = std::fmin(a.projected_tangent, a.tangent);
                        if (a.tangent <= same_rounding_deg) near += corners;
                        if (classes[v] != VertexClass::pole &&
                            a.projected_tangent > limit_of(classes[v], options.max_angle_deg)) {

@@ -75,7 +75,8 @@ TEST(Edges, SparsePointsCount) {
 TEST(Edges, PlanesBesideAFilletAreNamed) {
   PortableRandom random(271);
   std::cout << "seed 271\n";
-  for (int repeat = 0; repeat < 4; ++repeat) {
+  int spoken_of = 0;
+  for (int repeat = 0; repeat < 6; ++repeat) {
     const Eigen::Matrix3d turn = random.rotation();
     PointCloud fillet, cylinder;
     for (int i = 0; i < 1400; ++i) {
@@ -88,12 +89,16 @@ TEST(Edges, PlanesBesideAFilletAreNamed) {
       fillet.positions.push_back(from_eigen(turn * (i < 1000 ? on : beside) + noise));
     }
     const PointFit of_fillet = fit_named(fillet, "cylinder");
-    ASSERT_TRUE(of_fillet.usable) << of_fillet.reason;
-    EXPECT_TRUE(names_the_edge(of_fillet)) << of_fillet.reason << ", radius " << radius_of(of_fillet);
+    std::cout << of_fillet.reason << '\n';
+    spoken_of += of_fillet.reason != "converged";
+    if (of_fillet.reason == "converged") {
+      EXPECT_LT(std::fabs(radius_of(of_fillet) - 1), 5 * stated_error_of_radius(of_fillet));
+    }
     const PointFit of_cylinder = fit_named(cylinder, "cylinder");
     ASSERT_TRUE(of_cylinder.usable) << of_cylinder.reason;
     EXPECT_FALSE(names_the_edge(of_cylinder)) << of_cylinder.reason;
   }
+  EXPECT_GE(spoken_of, 4);
 }
 
 // The caps of a can, at its rims: a radius seven standard errors too small was "converged".
@@ -136,13 +141,34 @@ TEST(Edges, ACylinderIsALimitOfParaboloids) {
         }
         const PointFit fit = fit_points(cloud);
         ++patches;
-        EXPECT_EQ(fit.reason.find("elliptic-paraboloid"), std::string::npos) << fit.reason;
         if (!fit.usable) continue;
         ++usable;
         EXPECT_EQ(fit.surface->surface.info().name, "cylinder");
       }
   std::cout << usable << " of " << patches << " usable\n";
   EXPECT_GE(4 * usable, 3 * patches);
+}
+
+// With a tenth of the noise: "an ellipsoid did not converge".
+TEST(Edges, NoiseThatCannotBeIsNamed) {
+  PortableRandom random(274);
+  std::cout << "seed 274\n";
+  PointCloud cloud;
+  for (int i = 0; i < 500; ++i)
+    cloud.positions.push_back(from_eigen(random.normals().normalized() + 0.01 * random.normals()));
+  for (const std::string kind : {"auto", "sphere"})
+    for (const double noise : {1e-3, 3e-3, 0.01, 0.05}) {
+      PointFitOptions options;
+      if (kind != "auto") options.surface = kind;
+      options.noise = noise;
+      const PointFit fit = fit_points(cloud, options);
+      EXPECT_EQ(fit.reason.find("may be too small: if it is estimated, a sphere with") != std::string::npos,
+                noise < 0.01)
+          << kind << ", " << noise << ": " << fit.reason;
+      EXPECT_EQ(fit.reason.find("may be too large") != std::string::npos, noise > 0.01)
+          << kind << ", " << noise << ": " << fit.reason;
+      EXPECT_EQ(fit.usable && fit.inliers > 450, noise >= 0.01);
+    }
 }
 
 }  // namespace

@@ -165,14 +165,27 @@ std::string lzf_literals(const std::string& bytes) {
 
 TEST_F(PointFiles, TablesByCountOfColumns) {
   const PointCloud& d = difficult;
-  for (const auto& [name, separator] :
-       {std::pair{"a.xyz", " "}, {"a.txt", "  \t"}, {"a.csv", ","}, {"a.CSV", " ; "}, {"a.tsv", "\t"}}) {
+  for (const auto& [name, separator] : {std::pair{"a.xyz", " "},
+                                        {"a.txt", "  \t"},
+                                        {"a.csv", ","},
+                                        {"a.CSV", " ; "},
+                                        {"a.tsv", "\t"},
+                                        {"a.asc", " "}}) {
     SCOPED_TRACE(name);
     expect_same(read(name, rows(d, "p", separator)).cloud, {d.positions, {}, {}});
     expect_same(read(name, rows(d, "pt", separator)).cloud, {d.positions, {}, d.uvs});
     expect_same(read(name, rows(d, "pn", separator)).cloud, {d.positions, d.normals, {}});
     expect_same(read(name, rows(d, "pnt", separator)).cloud, d);
   }
+}
+
+// As scanners write them: how many points follow, then x y z, an intensity and a colour.
+TEST_F(PointFiles, PtsBeginsWithItsCount) {
+  const std::string points = "1 2 3 -500 10 20 30\n4 5 6 -400 11 21 31\n";
+  expect_same(read("a.pts", "2\r\n" + points).cloud, {{{1, 2, 3}, {4, 5, 6}}, {}, {}});
+  expect_same(read("a.pts", points).cloud, {{{1, 2, 3}, {4, 5, 6}}, {}, {}});
+  for (const std::string count : {"3", "1", "999999999999999999"})
+    refused("a.pts", count + "\n" + points, {"expected " + count + " points, as its first line says, got 2"});
 }
 
 TEST_F(PointFiles, TablesByHeader) {

@@ -538,6 +538,8 @@ TEST(Laws, HoldForATubeRoundACurveThatIsNoParameter) {
 TEST(Laws, HoldAtExtremeParameters) {
   for (const AnySurface& surface :
        {make_surface("torus:major_radius=1,minor_radius=1"),
+        // At v = 1/3 the ring's radius changes its sign, which a float near that cannot know.
+        make_surface("torus:major_radius=1,minor_radius=2"),
         make_surface("torus:major_radius=1e6,minor_radius=1"),
         make_surface("torus:major_radius=0,minor_radius=2"), make_surface("sphere:radius=1e150"),
         make_surface("sphere:radius=1e-150"), make_surface("sphere:radius=1e-60"),

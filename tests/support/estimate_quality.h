@@ -23,7 +23,7 @@ constexpr double tau = 2 * std::numbers::pi;
 template <int n>
 using Order = std::integral_constant<int, n>;
 
-inline const int many_points = 1'000'000 / thinning();  // few per million are bounded
+inline constexpr int many_points = slow_build ? 100'000 : 1'000'000;  // few per million are bounded
 
 struct OrderNames {
   template <class T>

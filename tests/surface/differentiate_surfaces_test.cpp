@@ -59,8 +59,8 @@ bool is_polynomial(const auto& line) {
   return norm(difference) < 1e-15;
 }
 
-// `method(f, x, side, behaviour)` at many_points random points of the whole catalogue, those of which the
-// stencil, up to `reach` lengths long, stays in the domain.
+// `method(f, x, side, behaviour)` at many_points random points of the whole catalogue, or a part of them
+// (thinning.h): those of which the stencil, up to `reach` lengths long, stays in the domain.
 struct OnCatalogue {
   Quality all, curved;
 };
@@ -74,7 +74,7 @@ OnCatalogue on_catalogue(std::uint64_t seed, double reach, Method method) {
     using X = std::remove_cvref_t<decltype(surface)>;
     const std::array polynomial{is_polynomial(coordinate_line(surface, 0.3, 0.4, 0)),
                                 is_polynomial(coordinate_line(surface, 0.3, 0.4, 1))};
-    for (int i = 0; i < many_points / surfaces; ++i) {
+    for (int i = 0; i < many_points / surfaces / thinning(); ++i) {
       const int along = i % 2;
       const double u = random.uniform(reach, 1 - reach), v = random.uniform(reach, 1 - reach),
                    x = along == 0 ? u : v, length = length_at(surface, along, x);

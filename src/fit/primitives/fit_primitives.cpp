@@ -10,8 +10,8 @@
 
 #include <darboux/plane.h>
 
-#include "base/quantile.h"
 #include "base/degrees.h"
+#include "base/quantile.h"
 #include "base/text.h"
 #include "clump.h"
 #include "correlation.h"
@@ -247,7 +247,7 @@ class PrimitivesFit {
       const std::string alike = "distances of neighbouring points are correlated, so they are not noise";
       if (automatic())
         return "undetermined: the nearest is " + name + ", but " + alike +
-               "; the surface is of another kind, or that was not found: naming it or a guess help";
+               ": the points are of no known kind, or of several surfaces; cut those apart, or name the kind";
       selection.reason +=
           "; " + alike + ": the surface departs from " + name + ", and errors are understated";
       are_noise_ = false;
@@ -497,6 +497,29 @@ class ClumpedFit {
 
 }  // namespace
 
+// Where the noise was given and cannot be that of the points: what they show. Too small, it explains few of
+// them; then the noise is estimated, and a surface with more points and clearly more noise speaks against it.
+std::string doubt_of_noise(const PointCloud& points, const PointFitOptions& options, const Primitive* only,
+                           const PointFit& fit) {
+  constexpr double nearly_all = 0.9, more_noise = 1.5, far_less = 0.25;
+  constexpr std::size_t enough = 20;
+  if (!options.noise) return {};
+  const std::string given = "; the noise of " + rounded(*options.noise, 3) + " may be too ";
+  if (fit.usable && fit.inliers >= enough && fit.rms < far_less * *options.noise)
+    return given + "large: the distances are " + rounded(fit.rms, 3) + " rms";
+  const auto finite = static_cast<double>(fit.inliers + fit.outliers);
+  if (fit.usable && static_cast<double>(fit.inliers) >= nearly_all * finite) return {};
+  PointFitOptions estimating = options;
+  estimating.noise.reset();
+  estimating.progress = nullptr;
+  const PointFit other = fit_primitives(points, estimating, only, Effort::full);
+  if (!other.usable || other.sigma < more_noise * *options.noise ||
+      (fit.usable && other.inliers <= fit.inliers))
+    return {};
+  return given + "small: if it is estimated, " + with_article(other.surface->surface.info().name) + " with " +
+         std::to_string(other.inliers) + " points and noise " + rounded(other.sigma, 3) + " is found";
+}
+
 PointFit fit_primitives(const PointCloud& points, const PointFitOptions& options, const Primitive* only,
                         Effort effort) {
   check_arguments(points, options);
@@ -514,6 +537,7 @@ PointFit fit_primitives(const PointCloud& points, const PointFitOptions& options
   }
   if (effort == Effort::full)
     if (auto beside = fit_beside_plane(points, normal, options, only, fit)) fit = *std::move(beside);
+  if (effort == Effort::full) fit.reason += doubt_of_noise(points, options, only, fit);
   fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   if (options.progress) options.progress(1);
   return fit;
