@@ -44,10 +44,11 @@ struct AssessOptions : ValidateOptions {
 
 /// Why a surface was recognised or not: how much better it explains the data than its rivals do.
 struct Evidence {
-  double log10_odds = 0;  ///< of the surface against its rivals; it is recognised if at least evidence_needed
-  std::string rival;      ///< the best other explanation: "polygon", "polyhedron", "faceted",
-                          ///< "authored normals", "chance" or a kind of surface
-  std::string text;       ///< one sentence: the evidence for and against
+  double log10_odds =
+      0;              ///< of the surface against its rivals; recognised if this is at least evidence_needed
+  std::string rival;  ///< the best other explanation: "polygon", "polyhedron", "faceted",
+                      ///< "authored normals", "chance" or a kind of surface
+  std::string text;   ///< one sentence: the evidence for and against
 };
 /// The log10 odds required to recognise a surface: about one wrong recognition in 10^4 meshes.
 inline constexpr double evidence_needed = 4;
