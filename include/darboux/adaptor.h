@@ -1,9 +1,9 @@
 /// \file adaptor.h
-/// What all adaptors share, the surfaces that are made from other surfaces: placed.h, reparametrised.h,
-/// offset.h, from_position.h. An adaptor is itself a surface type, so adaptors compose, and every law of
-/// testing.h holds for them. They keep the base's normal (Placed transforms it by the inverse transpose). A
-/// flip, swap or mirror negates the handedness, never the normal. An adaptor hands its own numbers to
-/// for_each_own_number(f), so that NaN and infinity among them have their status.
+/// Common code of adaptors, the surfaces made from other surfaces: placed.h, reparametrised.h, offset.h,
+/// from_position.h. An adaptor is itself a surface type, so adaptors compose, and every law of testing.h
+/// applies to them. They keep the normal of the base (Placed transforms it by the inverse transpose). A flip,
+/// swap or mirror negates the handedness, never the normal. An adaptor passes its own numbers to
+/// for_each_own_number(f), so that the status reports NaN and infinity among them.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace darboux {
 
 namespace detail {
 
-// What is wrong with the surface an adaptor changes, empty when nothing is.
+// Why the base of an adaptor is invalid; empty if it is valid.
 template <class X>
 std::string base_refusal(const X& base) {
   try {
@@ -36,7 +36,7 @@ struct Literal {
   constexpr Literal(const char (&from)[N]) { std::copy_n(from, N, text); }  // NOLINT: from a literal
 };
 
-// "offset torus", of static duration.
+// The name, such as "offset torus", with static storage duration.
 template <Literal prefix, class X>
 struct AdaptedName {
   static constexpr auto characters = [] {
@@ -49,8 +49,8 @@ struct AdaptedName {
   static constexpr std::string_view value{characters.data(), characters.size()};
 };
 
-// The info of an adaptor that moves the points and keeps the coordinates.
-// \param added how many roundings its frame errs by beyond the base's
+// The info of an adaptor that moves the points and keeps the coordinates. \param added error of its frame
+// beyond that of the base, in roundings
 template <Literal prefix, class X>
 constexpr SurfaceInfo moved_info(double added) {
   SurfaceInfo info = X::info;
@@ -85,10 +85,10 @@ Vec3<S> unit_or_nan(const Vec3<S>& a) {
   return largest_component(a) == 0 ? nan_vector<S>() : unit(a);
 }
 
-// The unit normal of a surface at prepared coordinates of any scalar. Where the chart of a surface without a
-// closed frame collapses, dpdu = (v - v0) Q with Q the mean of d2pduv between v0 and v: the normal and all
-// its derivatives are those of ±Q × dpdv, from the side of limit_at(). (The same for dpdv and u.) NaN where
-// that is not enough.
+// The unit normal of a surface at prepared coordinates of any scalar. If the chart of a surface without a
+// closed frame collapses at v0, dpdu = (v - v0) Q with Q the mean of d2pduv between v0 and v. The normal and
+// all its derivatives are then those of ±Q × dpdv, with the sign of limit_at(). (Likewise for dpdv and u.)
+// NaN if that does not determine it.
 template <class X, class PU, class PV>
 auto normal_of(const X& surface, const PU& u, const PV& v) {
   if constexpr (requires { surface.normal(u, v); }) {

@@ -1,5 +1,5 @@
 /// \file any_surface.h
-/// A surface chosen at run time: one of the catalogue by name, or a user's own type.
+/// Type-erased surfaces, chosen at run time: one of the catalogue by name, or a user-defined type.
 #pragma once
 
 #include <memory>
@@ -17,7 +17,7 @@
 
 namespace darboux {
 
-/// A parameter with its value, as tables and JSON show it.
+/// A parameter with its value, as shown in tables and JSON.
 struct ParameterValue {
   std::string_view name;
   double value, default_value;
@@ -30,10 +30,10 @@ struct ParameterValue {
 using DualUV = Dual<double, 2>;
 using NestedDualUV = Dual<DualUV, 2>;
 
-/// A surface type whose parameters are known only when the program runs: X has no parameters(), but
+/// A surface type whose parameters are known only at run time. Instead of parameters(), X has
 ///   std::vector<ParameterValue> parameter_values() const     the names live as long as the surface
-///   void set_parameters(std::span<const T>)                   all of them, in that order, over its own
-///                                                             scalar T
+///   void set_parameters(std::span<const T>)                   sets all of them, in that order; T is its
+///                                                             scalar
 template <class X>
 concept HasParametersAtRunTime = requires(X& x, std::span<const double> values) {
   { std::as_const(x).parameter_values() } -> std::same_as<std::vector<ParameterValue>>;
@@ -42,7 +42,7 @@ concept HasParametersAtRunTime = requires(X& x, std::span<const double> values) 
 
 namespace detail {
 
-// Does not compile where the formula takes double alone.
+// Does not compile if the formula accepts double only.
 template <class X>
 constexpr void expect_dual_numbers() {
   constexpr bool any_scalar =
@@ -56,11 +56,12 @@ constexpr void expect_dual_numbers() {
 
 }  // namespace detail
 
-/// Holds any surface type over double, by value (shared and immutable). One virtual call per evaluation.
+/// Holds a surface of any type over double, by value (shared and immutable). Cost: one virtual call per
+/// evaluation.
 class AnySurface {
  public:
-  /// Any type that fulfils ParametricSurface for every scalar named below, in the catalogue or not.
-  /// \throws ParameterError when a parameter is out of its range
+  /// Any type that satisfies ParametricSurface for every scalar named below, in the catalogue or not. \throws
+  /// ParameterError if a parameter is out of range
   template <ParametricSurface X>
   AnySurface(const X& surface)  // NOLINT: converting
       : held_(std::make_shared<Model<X>>(checked(surface))) {
@@ -72,8 +73,8 @@ class AnySurface {
   Jet2<double> jet(double u, double v) const { return held_->jet(u, v); }
   Jet2<DualUV> jet(const DualUV& u, const DualUV& v) const { return held_->jet(u, v); }
   Jet2<NestedDualUV> jet(const NestedDualUV& u, const NestedDualUV& v) const { return held_->jet(u, v); }
-  /// In 40 digits, optionally with other values for the parameters (in the order of parameters(), all of
-  /// them). \throws ParameterError for more or fewer values
+  /// The jet in 40 decimal digits, optionally with other values for all parameters (in the order of
+  /// parameters()). \throws ParameterError if the number of values differs from the number of parameters
   Jet2<Multiprecision> jet(const Multiprecision& u, const Multiprecision& v,
                            std::span<const Multiprecision> values = {}) const {
     if (!values.empty()) expect_one_per_parameter(values.size());
@@ -84,9 +85,9 @@ class AnySurface {
   Status status(double u, double v) const { return frame(u, v).status; }
   ParametricFrame<double> parametric_frame(double u, double v) const { return held_->parametric_frame(u, v); }
   Sample<double> sample(double u, double v) const { return make_sample(u, v, jet(u, v), frame(u, v)); }
-  /// Everything in single precision, parameters too.
+  /// The sample computed in single precision, with parameters rounded to float.
   Sample<float> sample_in_float(float u, float v) const { return held_->sample_in_float(u, v); }
-  /// Many points at once: see evaluate() in evaluate.h.
+  /// Evaluates many points at once: see evaluate() in evaluate.h.
   StatusSummary evaluate(const Points<double>& points, const Outputs<double>& outputs,
                          const EvaluateOptions& options = {}) const {
     return held_->evaluate(points, outputs, options);
@@ -95,21 +96,21 @@ class AnySurface {
                          const EvaluateOptions& options = {}) const {
     return held_->evaluate(points, outputs, options);
   }
-  /// From the jet and the frame there: see curvature() in curvature.h, which calls this.
+  /// Curvatures from the jet and the frame at (u, v): see curvature() in curvature.h, which calls this.
   Curvature<double> curvature(double u, double v, const Jet2<double>& jet, const Frame<double>& frame) const {
     return held_->curvature(u, v, jet, frame);
   }
   bool has_closed_frame() const { return held_->has_closed_frame(); }
 
   /// The values of u (along = 0) or v (along = 1) at which the surface is only piecewise smooth: those
-  /// strictly between 0 and 1; and 0 if it is not smooth across the ends 0 and 1 (the seam or the poles).
-  /// They come from the type's breaks(along); none if it has no such member.
+  /// strictly between 0 and 1, and also 0 if it is not smooth where 0 meets 1 (across the seam or the poles).
+  /// Taken from breaks(along) of the type; empty if it has no such member.
   std::vector<double> breaks(int along) const { return held_->breaks(along); }
 
-  /// The independent facts the type states, of: implicit, gaussian_curvature, mean_curvature,
-  /// second_formula.
+  /// The names of the independent facts that the type states: some of implicit, gaussian_curvature,
+  /// mean_curvature, second_formula.
   std::vector<std::string_view> facts() const { return held_->facts(); }
-  /// Their values, absent where the type does not state the fact.
+  /// The values of these facts; empty if the type does not state the fact.
   std::optional<double> implicit(const Vec3<double>& p) const { return held_->implicit(p); }
   std::optional<Vec3<double>> implicit_gradient(const Vec3<double>& p) const {
     return held_->implicit_gradient(p);
@@ -121,10 +122,10 @@ class AnySurface {
   std::optional<Vec3<double>> second_formula(double u, double v) const { return held_->second_formula(u, v); }
 
   /// The same surface with other values for all its parameters, in the order of parameters().
-  /// \throws ParameterError when one is out of its range, or there are more or fewer values than parameters
+  /// \throws ParameterError if a value is out of range, or their number differs from that of the parameters
   AnySurface with(std::span<const double> values) const;
 
-  /// The file this surface was read from (io.h), empty for every other.
+  /// The file this surface was read from (io.h); empty if none.
   const std::string& file() const { return file_; }
   AnySurface from_file(std::string path) const {
     AnySurface result = *this;
@@ -132,19 +133,19 @@ class AnySurface {
     return result;
   }
 
-  /// The held object when it is an X, else null.
+  /// The held surface if its type is X, else null.
   template <class X>
   const X* get() const {
     const auto* model = dynamic_cast<const Model<X>*>(held_.get());
     return model ? &model->surface : nullptr;
   }
 
-  /// "torus:major_radius=1,minor_radius=0.4": the name with all parameters; for a surface from a file
-  /// "formula:file=my.surface,a=3". make_surface() of this text gives the same bits where all that the
-  /// surface is made of are parameters or the file: not where it has points or curves of its own (splines,
-  /// tubes), of which only the name and the parameters are told, nor for adaptors, of which only the name is
-  /// ("offset torus"), nor for types outside the catalogue. \param digits significant digits, for people to
-  /// read; 0: as many as the same bits take
+  /// The surface as text: the name with all parameters, "torus:major_radius=1,minor_radius=0.4"; for a
+  /// surface from a file, "formula:file=my.surface,a=3". make_surface() of this text reproduces the surface
+  /// bit for bit if it is determined by its parameters or its file. It does not for surfaces with control
+  /// points or curves (splines, tubes), whose text has the name and the parameters only; for adaptors, whose
+  /// text is the name only ("offset torus"); and for types outside the catalogue. \param digits significant
+  /// digits, for display; 0: as many as are needed to reproduce the bits
   std::string specification(int digits = 0) const;
 
  private:
@@ -288,25 +289,25 @@ class AnySurface {
   std::string file_;
 };
 
-/// evaluate() of evaluate.h, for a surface that is chosen at run time.
+/// evaluate() of evaluate.h for a type-erased surface.
 template <std::floating_point T>
 StatusSummary evaluate(const AnySurface& surface, const Points<T>& points, const Outputs<T>& outputs,
                        const EvaluateOptions& options = {}) {
   return surface.evaluate(points, outputs, options);
 }
 
-/// Values for some parameters of a kind of surface, as written after its name.
+/// The name of a surface, and values for some of its parameters.
 struct SurfaceSpecification {
   std::string name;
   std::vector<std::pair<std::string, double>> parameters;
 };
 
-/// Parses "name" or "name:parameter=value,parameter=value". The name is known, the parameters are the
-/// surface's, each once.
+/// Parses "name" or "name:parameter=value,parameter=value". The name and the parameters must be known, and
+/// each parameter given at most once.
 /// \throws ParameterError listing the known names or parameters
 SurfaceSpecification parse_specification(std::string_view text);
 
-/// The catalogue's surface of that name with those parameters, the others at their defaults.
+/// Makes the surface of that name from the catalogue. Parameters that are not given have their defaults.
 /// \throws ParameterError for an unknown name or parameter (the known ones are listed) or a value out of
 /// range
 AnySurface make_surface(const SurfaceSpecification& specification);

@@ -1,5 +1,5 @@
 /// \file attributes.h
-/// The attributes of a point, and how many components each has.
+/// The attributes that can be evaluated at a point, and the number of components of each.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ namespace darboux {
 /// An attribute of a point, named as on the command line; formulas and signs: docs/conventions.md.
 enum class Attribute : std::uint8_t {
   position,  ///< a length
-  dpdu,      ///< a length, as all partials: by u and v without a unit
+  dpdu,      ///< a length, as are all partials: u and v have no unit
   dpdv,
   d2pdu2,
   d2pduv,
@@ -21,10 +21,10 @@ enum class Attribute : std::uint8_t {
   bitangent,             ///< unit, n × t
   normal,                ///< unit
   handedness,            ///< +1 or -1, the sign of det(dpdu, dpdv, n)
-  tangent4,              ///< tangent and sign w, in the convention asked for
+  tangent4,              ///< tangent and sign w, in the requested convention
   gaussian_curvature,    ///< 1 / length²
   mean_curvature,        ///< 1 / length; negative on a sphere whose n points outward
-  principal_curvatures,  ///< κ1 >= κ2, 1 / length, likewise
+  principal_curvatures,  ///< κ1 >= κ2, 1 / length; same sign convention
   principal_directions,  ///< two unit vectors
 };
 inline constexpr std::size_t attribute_count = 15;
@@ -33,7 +33,7 @@ struct AttributeInfo {
   std::string_view name;
   std::size_t components;
 };
-/// By the order of Attribute.
+/// Indexed by Attribute.
 inline constexpr std::array<AttributeInfo, attribute_count> attribute_infos{{{"position", 3},
                                                                              {"dpdu", 3},
                                                                              {"dpdv", 3},
@@ -50,7 +50,7 @@ inline constexpr std::array<AttributeInfo, attribute_count> attribute_infos{{{"p
                                                                              {"principal_curvatures", 2},
                                                                              {"principal_directions", 6}}};
 inline constexpr std::size_t most_components = 6;
-/// The components of all attributes together.
+/// The total number of components of all attributes.
 inline constexpr std::size_t all_components = [] {
   std::size_t sum = 0;
   for (const AttributeInfo& a : attribute_infos) sum += a.components;
@@ -83,7 +83,7 @@ constexpr Attributes operator|(Attribute a, Attribute b) {
   return Attributes(a) | Attributes(b);
 }
 
-/// The attributes grouped by what they need: the partials; the frame; no more than first partials and the
+/// The attributes grouped by what they require: the partials; the frame; at most the first partials and the
 /// frame; the curvatures.
 inline constexpr Attributes partial_attributes = Attribute::position | Attribute::dpdu | Attribute::dpdv |
                                                  Attribute::d2pdu2 | Attribute::d2pduv | Attribute::d2pdv2;

@@ -1,6 +1,6 @@
 /// \file binary.h
-/// What float, double and SIMD lanes of them have in common: their bits, rounding to integers, and a choice
-/// that is made lane by lane.
+/// Operations common to float, double and SIMD lanes of them: access to the bits, rounding to integers, and
+/// lane-wise selection.
 #pragma once
 
 #if __cplusplus < 202002L
@@ -16,8 +16,8 @@
 #include <cstdint>
 #include <type_traits>
 
-// Options that let the compiler reorder sums, or assume that NaN does not occur, make wrong frames with a
-// regular status. Clang never defines __ASSOCIATIVE_MATH__: see opaque().
+// With options that let the compiler reorder sums or assume that NaN does not occur, frames would be wrong
+// although their status is regular. Clang never defines __ASSOCIATIVE_MATH__: see opaque().
 #if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "darboux: expected no -ffast-math nor part of it, which breaks exact range reduction"
@@ -25,8 +25,8 @@
 
 namespace darboux {
 
-/// condition ? a : b. For formulas in which the lanes of a SIMD batch may differ in the condition: both a and
-/// b are evaluated, and each lane takes its own.
+/// condition ? a : b, lane by lane. Both a and b are evaluated, since the lanes of a SIMD batch may differ in
+/// the condition.
 template <class S>
 constexpr S select(bool condition, const S& a, const S& b) {
   return condition ? a : b;
@@ -34,14 +34,14 @@ constexpr S select(bool condition, const S& a, const S& b) {
 
 namespace detail {
 
-// A number type that holds many numbers, as the batch kernels use. Its Element is float or double. diverge()
-// hands a batch whose lanes need different treatment over to the functions for single points.
+// A number type with several lanes, used by the batch kernels. Its Element is float or double. diverge()
+// passes a batch whose lanes need different treatment to the functions for single points.
 template <class S>
 concept Lanewise = requires {
   typename S::Element;
   S::lanes;
 };
-// One or many binary floating-point numbers.
+// A binary floating-point number, or lanes of them.
 template <class S>
 concept Binary = std::floating_point<S> || Lanewise<S>;
 
@@ -73,8 +73,8 @@ constexpr S from_bits(const Bits& bits) {
     return std::bit_cast<S>(bits);
 }
 
-// x, with its origin hidden from the compiler. So (x + magic) - magic stays as written even if clang is told
-// to reorder sums, which no macro reveals. No effect with other compilers.
+// Returns x, hidden from the optimiser. So (x + magic) - magic is evaluated as written even if clang is told
+// to reassociate sums, which no macro reveals. No effect with other compilers.
 template <class S>
 constexpr S opaque(S x) {
 #if defined(__clang__) && (defined(__x86_64__) || defined(__aarch64__))

@@ -1,6 +1,6 @@
 /// \file blocks.h
-/// Evaluates a surface at many points for a caller that uses the results at once: block by block, through a
-/// buffer that stays in the cache, so that nothing is written to memory.
+/// Evaluates a surface at many points, for callers that consume the results immediately. Results are passed
+/// block by block in a buffer that stays in the cache, so nothing is written to memory.
 ///   const Attributes asked = Attribute::position | Attribute::normal;
 ///   for_each_block(surface, points, asked, [&](const Block<float>& block) {
 ///     for (std::size_t i = 0; i < block.size(); ++i) use(block.first + i, block.vec3(Attribute::normal, i));
@@ -17,23 +17,23 @@
 
 namespace darboux {
 
-/// Consecutive points with what was asked for, one array per component. Valid until the function that it is
-/// passed to returns.
+/// Consecutive points with the requested attributes, one array per component. Valid until the function that
+/// receives it returns.
 template <std::floating_point T>
 class Block {
  public:
   std::size_t first = 0;           ///< index of its first point
-  Points<T> points;                ///< where they are
-  std::span<const Status> status;  ///< of each
+  Points<T> points;                ///< the (u, v)
+  std::span<const Status> status;  ///< of each point
 
   std::size_t size() const { return points.size(); }
-  /// The c-th component of an attribute that was asked for, of each point; empty for others.
+  /// Component c of a requested attribute, for each point; empty if it was not requested.
   std::span<const T> operator()(Attribute a, std::size_t c = 0) const {
     const T* values = first_[static_cast<std::size_t>(a)];
     if (values == nullptr || c >= info_of(a).components) return {};
     return {values + c * room_, size()};
   }
-  /// A vector that was asked for, of the i-th point.
+  /// A requested vector attribute at point i.
   Vec3<T> vec3(Attribute a, std::size_t i) const {
     const T* values = first_[static_cast<std::size_t>(a)] + i;
     return {values[0], values[room_], values[2 * room_]};
@@ -47,15 +47,15 @@ class Block {
 };
 
 /// Calls f(const Block<T>&) for consecutive blocks of up to 1024 points, in order and in the calling thread
-/// (options.threads is ignored). One allocation per call. About 7 ns per point for position, dpdu,
-/// dpdv, t, b, n of a torus in double, the consumer's reading included. \param surface a surface type, or
-/// AnySurface \throws ParameterError as evaluate(); exceptions of f are passed on
+/// (options.threads is ignored). One allocation per call. Cost: about 7 ns per point for position, dpdu,
+/// dpdv, t, b, n of a torus in double, including reading the results. \param surface a surface type, or
+/// AnySurface \throws ParameterError as evaluate(). Exceptions thrown by f propagate
 template <class X, std::floating_point T, class F>
 StatusSummary for_each_block(const X& surface, const Points<T>& points, Attributes asked, F&& f,
                              const EvaluateOptions& options = {}) {
   constexpr std::size_t room = 1024, stagger = 64 / sizeof(T);
   Block<T> block;
-  block.room_ = room + stagger;  // so that the arrays do not compete for the same sets of the cache
+  block.room_ = room + stagger;  // avoids conflicts between the arrays in the same cache sets
   std::size_t components = 0;
   for (std::size_t a = 0; a < attribute_count; ++a)
     if (asked.has(static_cast<Attribute>(a))) components += attribute_infos[a].components;

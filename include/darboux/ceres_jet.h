@@ -1,6 +1,6 @@
 /// \file ceres_jet.h
-/// Lets every formula of the library run on ceres::Jet. Includes nothing of Ceres: include <ceres/jet.h>
-/// yourself.
+/// Makes every formula of the library work with ceres::Jet. This header does not include Ceres: include
+/// <ceres/jet.h> yourself.
 #pragma once
 
 #include <darboux/scalar.h>

@@ -11,8 +11,8 @@
 namespace darboux {
 
 /// The Christoffel symbols Γ^k_ij: d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part). u[0], u[1],
-/// u[2] are Γ^u_uu, Γ^u_uv, Γ^u_vv, v[...] likewise Γ^v. Without units. Not all are finite where dpdu
-/// and dpdv span no plane. [doCarmo2016, sec. 4-3]
+/// u[2] are Γ^u_uu, Γ^u_uv, Γ^u_vv, v[...] likewise Γ^v. Dimensionless. Not all are finite if dpdu and
+/// dpdv are linearly dependent. [doCarmo2016, sec. 4-3]
 template <class S>
 struct Christoffel {
   S u[3], v[3];
@@ -30,9 +30,9 @@ Christoffel<S> christoffel(const Jet2<S>& j, const Frame<S>& frame) {
   return result;
 }
 
-/// The symbols of a surface at (u, v), from its jet and frame there, within the bound of curvature.h. If
-/// terms cancel, or squares of partials underflow, they are computed again in 40 digits. \param surface a
-/// surface type, or AnySurface
+/// The Christoffel symbols of a surface at (u, v), from its jet and frame there, within the error bound of
+/// curvature.h. If terms cancel, or squares of partials underflow, they are recomputed in 40 digits. \param
+/// surface a surface type, or AnySurface
 template <class X, std::floating_point S>
 Christoffel<S> christoffel(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   const Christoffel<S> symbols = christoffel(j, frame);
@@ -65,8 +65,8 @@ Christoffel<S> christoffel(const X& surface, S u, S v, const Jet2<S>& j, const F
   return symbols;
 }
 
-/// Γ^k_ij with d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part) at (u, v), without units. Not all
-/// are finite where dpdu and dpdv span no plane. Costs jet() and frame(), and 50 us where terms cancel.
+/// Γ^k_ij with d2p/(di dj) = Γ^u_ij dpdu + Γ^v_ij dpdv + (normal part) at (u, v), dimensionless. Not all
+/// are finite if dpdu and dpdv are linearly dependent. Cost: jet() and frame(), plus 50 us if terms cancel.
 template <class X, std::floating_point S>
 requires std::is_class_v<X> Christoffel<S> christoffel(const X& surface, S u, S v) {
   return christoffel(surface, u, v, detail::jet_of(surface, u, v), detail::frame_of(surface, u, v));

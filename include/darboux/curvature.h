@@ -11,17 +11,17 @@
 
 namespace darboux {
 
-/// Curvatures at a point, with respect to the frame's n: with n outward a sphere of radius r has κ1 = κ2
-/// = H = -1/r.
+/// Curvatures at a point, with respect to n of the frame. A sphere of radius r with outward n has κ1 = κ2 =
+/// H = -1/r.
 template <class S>
 struct Curvature {
   S gaussian;      ///< K = κ1 κ2, 1/length²
   S mean;          ///< H = (κ1 + κ2)/2, 1/length
   S principal[2];  ///< κ1 >= κ2, 1/length
-  /// Unit; directions[1] = n × directions[0]. directions[0]·t > 0, or directions[0] = b exactly where it
-  /// lies along b as far as rounding tells.
+  /// Principal directions, unit; directions[1] = n × directions[0]. The sign: directions[0]·t > 0, or
+  /// directions[0] = b exactly if it is parallel to b up to rounding.
   Vec3<S> directions[2];
-  Status status;  ///< the frame's, with `umbilic` where κ1 = κ2 (the directions are then t and b)
+  Status status;  ///< of the frame, with `umbilic` if κ1 = κ2 (the directions are then t and b)
 };
 
 namespace detail {
@@ -55,8 +55,7 @@ Curvature<S> curvature_of(const ShapeOperator<S>& shape, const Frame<S>& frame, 
   const auto leans_to_t = half_difference >= zero;
   S x = select(leans_to_t, S(half_difference + radius), m);
   S y = select(leans_to_t, m, S(radius - half_difference));
-  // Where m is 0 but for rounding its sign is noise, and direction b would change its sign from point to
-  // point.
+  // If m is 0 up to rounding, its sign is noise, and direction b would change sign from point to point.
   x = select(!leans_to_t && abs(m) <= noise * shape.m_size, zero, x);
   y = select(leans_to_t && abs(m) <= S(0.25) * noise * shape.m_size, zero, y);
   const auto equal = !(two * radius > equal_by * (abs(a) + abs(c)));
@@ -79,17 +78,17 @@ Curvature<S> curvature_of(const ShapeOperator<S>& shape, const Frame<S>& frame, 
 
 /// Curvatures from the shape operator in the basis (t, b) of an orthonormal frame:
 ///   H = (a + c)/2,  κ = H ± hypot((a - c)/2, m)
-/// accurate at umbilics and for any representable size. κ1 and κ2 count as equal (umbilic) if they differ
-/// by at most 16u (|a| + |c|), which is what rounding leaves of the jet. For the directions m counts as 0 if
-/// it is at most 32u of its terms (8u if a >= c).
+/// Accurate at umbilics and for any representable size. κ1 and κ2 count as equal (umbilic) if they differ
+/// by at most 16u (|a| + |c|), the rounding error of the jet. For the directions, m counts as 0 if it is at
+/// most 32u of its terms (8u if a >= c).
 template <detail::Binary S>
 Curvature<S> curvature(const ShapeOperator<S>& shape, const Frame<S>& frame) {
   constexpr auto epsilon = std::numeric_limits<detail::Element<S>>::epsilon();
   return detail::curvature_of(shape, frame, S(8 * epsilon), S(16 * epsilon));
 }
 
-/// Curvatures from a jet and its orthonormal frame. NaN where dpdu and dpdv span no plane: see the form
-/// below, which takes the surface. About 60 ns.
+/// Curvatures from a jet and its orthonormal frame. NaN if dpdu and dpdv are linearly dependent; the overload
+/// that takes the surface covers that case. Cost: about 60 ns.
 template <detail::Binary S>
 Curvature<S> curvature(const Jet2<S>& j, const Frame<S>& frame) {
   return curvature(shape_operator(j, frame), frame);
@@ -97,7 +96,7 @@ Curvature<S> curvature(const Jet2<S>& j, const Frame<S>& frame) {
 
 namespace detail {
 
-// Whether a surface type, or the one that an adaptor changes, is made of parameters.
+// Whether a surface type, or the base of an adaptor, is defined by parameters.
 template <class X>
 constexpr bool has_parameters = [] {
   if constexpr (requires(const X& x) { x.base; })
@@ -108,7 +107,7 @@ constexpr bool has_parameters = [] {
     };
 }();
 
-// Which curvatures have lost digits that the frame keeps, lane by lane.
+// Per lane, which curvatures have lost digits to cancellation that the frame has not.
 template <class Truth>
 struct Lost {
   Truth gaussian, mean, principal;  // the last: all, and the directions
@@ -150,7 +149,8 @@ Curvature<S> curvature_of(const WideForms& wide) {
           c.status};
 }
 
-// The curvatures a surface states in closed form, in the place of what has lost digits; whether it does.
+// Replaces curvatures that have lost digits by those that the surface states in closed form. Returns whether
+// it states them.
 template <class X, class S>
 bool state_gaussian([[maybe_unused]] const X& surface, [[maybe_unused]] S u, [[maybe_unused]] S v,
                     [[maybe_unused]] S& gaussian) {
@@ -189,15 +189,15 @@ Curvature<S> regular_curvature(const X& surface, S u, S v, const Frame<S>& frame
 
 }  // namespace detail
 
-/// The curvatures of a surface at (u, v), at poles and collapsed edges too, as shape_operator() says. At
-/// regular points they err by at most 8u times (1 + condition), as vectors: K, H, (κ1, κ2), the directions.
-/// The condition of q is the sum over u, v and the parameters of |x ∂q/∂x| / |q|. The condition of the
-/// directions has one more term: (1 + the condition of (κ1, κ2)) times |κ|/(κ1 - κ2), the last factor
-/// counted as at most 256. About 100 ns. If terms cancel to less than an eighth, K and H are taken from the
-/// surface's closed forms (some 20 ns more). Those that it does not state, and κ and the directions, are
-/// computed in 40 digits (some 50 µs). This happens where the chart is very oblique, where a curvature is
-/// small beside the bending of the coordinate curves, and where the square of a first partial, alone or times
-/// the curvature, underflows.
+/// The curvatures of a surface at (u, v), including poles and collapsed edges (see shape_operator()). Error
+/// at regular points: at most 8u (1 + condition), relative to the length of each of the vectors (K), (H),
+/// (κ1, κ2) and the directions. The condition of q is the sum over u, v and the parameters x of |x
+/// ∂q/∂x| / |q|. That of the directions has a further term: (1 + the condition of (κ1, κ2)) times
+/// |κ|/(κ1 - κ2), this last factor limited to 256. Cost: about 100 ns. If terms cancel to less than an
+/// eighth, K and H are taken from the closed forms of the surface (some 20 ns more). Without closed forms,
+/// and for κ and the directions, they are computed in 40 digits (some 50 µs). This happens where the chart
+/// is very oblique, where a curvature is small compared with the curvature of the coordinate curves, and
+/// where the square of a first partial, alone or times the curvature, underflows.
 template <class X, std::floating_point S>
 Curvature<S> curvature(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   if constexpr (!ParametricSurface<X>) {

@@ -1,17 +1,17 @@
 /// \file curve.h
-/// Parametric curves, of which tubes, extrusions, ruled surfaces and surfaces of revolution are made. A curve
-/// type has `kind`, the Coordinate of its parameter, and jet(t), the CurveJet at a prepared one, of any
-/// scalar. It may add
+/// Parametric curves, from which tubes, extrusions, ruled surfaces and surfaces of revolution are made. A
+/// curve type has `kind`, the Coordinate of its parameter, and jet(t), which returns the CurveJet at a
+/// prepared parameter of any scalar. Optional members:
 ///   using scalar                              the type of its data
 ///   auto rebind<To>()                         the same curve over another scalar
-///   CurveFrame<S> moving_frame(t)             N and B of its own, which a tube needs
+///   CurveFrame<S> moving_frame(t)             its own N and B; required for tubes
 ///   S remaining_speed(t, r)                   speed - r bend, without cancellation
 ///   S curvature(t)                            its curvature in closed form, signed as `bend`
 ///   Vec3<S> second_formula(t)                 the position by another formula
-///   Status singular(t)                        crease where the tangent may jump
-///   std::string refusal()                     what is wrong with its data
-/// Exceptions are passed on; where a derivative is NaN or infinite its surfaces have no frame (no_frame,
-/// overflow).
+///   Status singular(t)                        crease if the tangent may jump
+///   std::string refusal()                     why its data are invalid; empty if valid
+/// Exceptions propagate. If a derivative is NaN or infinite, surfaces made from the curve have no frame there
+/// (no_frame, overflow).
 #pragma once
 
 #include <array>
@@ -34,16 +34,16 @@ struct CurveJet {
   Vec3<S> position, first, second, third;
 };
 
-/// An orthonormal right-handed frame (T, N, B) along a curve and its rates by t:
+/// An orthonormal right-handed frame (T, N, B) along a curve, with its derivatives with respect to t:
 ///   T' = bend N + side B,   N' = -bend T + twist B,   B' = -side T - twist N,   speed = |K'|
-/// Frenet's frame has side = 0, bend = speed · curvature and twist = speed · torsion; a planar curve may
-/// keep N on one side instead, the bend is then signed. A rotation-minimising frame has twist = 0.
+/// The Frenet frame has side = 0, bend = speed · curvature and twist = speed · torsion. For a planar curve
+/// N may stay on one side instead; bend is then signed. A rotation-minimising frame has twist = 0.
 /// [doCarmo2016, sec. 1-5], [Bishop1975]
 template <class S>
 struct CurveFrame {
   Vec3<S> T, N, B;
   S speed, bend, side, twist;
-  S speed_rate, bend_rate, side_rate, twist_rate;  ///< their derivatives by t
+  S speed_rate, bend_rate, side_rate, twist_rate;  ///< their derivatives with respect to t
 };
 
 namespace detail {
@@ -62,7 +62,8 @@ std::string curve_refusal(const C& curve) {
   else
     return {};
 }
-// Where a curve is only piecewise smooth: the inner knots of a spline, or of the one whose frame is moved.
+// The parameters at which a curve is only piecewise smooth: the interior knots of a spline, or of the spline
+// inside a framed curve.
 template <class C>
 std::vector<double> curve_breaks(const C& curve) {
   if constexpr (requires { curve.knots().breaks(); })
@@ -72,7 +73,7 @@ std::vector<double> curve_breaks(const C& curve) {
   else
     return {};
 }
-// A curve of which the jet at one place is known, and only that is asked for.
+// A curve whose jet was computed at one parameter, the only one at which it may be evaluated.
 template <class S, Coordinate of>
 struct CurveAtPlace {
   using scalar = S;
@@ -83,7 +84,7 @@ struct CurveAtPlace {
   const CurveJet<S>& jet(const auto&) const { return known; }
   Status singular(const auto&) const { return status; }
 };
-// \tparam order of its derivatives that are asked for
+// \tparam order the highest derivative required
 template <int order, class C, class P>
 auto curve_at_place(const C& curve, const P& t) {
   const auto jet = [&] {
@@ -103,9 +104,8 @@ auto rebound(const C& curve) {
     return curve;
 }
 
-// The direction in which a curve passes t: that of the first of its derivatives that does not vanish, in the
-// limit from above (from below at the upper end of the domain). order: of that derivative, 0 where all three
-// vanish.
+// The direction of a curve at t: that of its first non-zero derivative, in the limit from above (from below
+// at the upper end of the domain). order: the order of that derivative; 0 if all three vanish.
 template <class S>
 struct Passage {
   Vec3<S> direction;
@@ -118,8 +118,8 @@ Passage<S> passage(const CurveJet<S>& j, const P& t) {
   if (!vanishes(j.third)) return {unit(j.third), 3};
   return {j.first, 0};
 }
-// What a passage means for the chart: a vanishing derivative, and a cusp where the direction turns round
-// inside.
+// The status bits that result for the chart: a vanishing derivative, and a cusp where the direction reverses
+// in the interior.
 template <Coordinate kind, class S, class P>
 Status passage_status(const Passage<S>& way, const P& t, Status zero) {
   Status result = way.order == 1 ? Status::regular : zero;
@@ -142,8 +142,8 @@ TangentRates<S> tangent_rates(const Vec3<S>& x, const CurveJet<S>& k, const S& s
 }  // namespace detail
 
 /// The straight line (1 - t) a + t b.
-/// Its moving frame is constant: N is perpendicular to b - a, in the plane of b - a and the coordinate axis
-/// that makes the largest angle with it.
+/// Its moving frame is constant. N is perpendicular to b - a, in the plane of b - a and the coordinate axis
+/// at the largest angle to it.
 template <class T = double>
 struct LineSegment {
   using scalar = T;
@@ -310,17 +310,17 @@ HelixCurve(double, double, double)->HelixCurve<double>;
 /// A rational B-spline curve (NURBS), by de Boor's recurrence on homogeneous control points and their
 /// hodographs.
 ///   K(t) = Σ w_i P_i N_{i,p}(t) / Σ w_i N_{i,p}(t)
-/// Beyond [0, 1] the end spans go on. At an interior knot of multiplicity `degree` or more (degree 1: at
-/// every vertex) the tangent may jump: Status::crease, and the derivatives are those from above. The scalar
-/// needs an order: the span is found from the value of t. Cost: O(degree²), O(log n) in the number n of
-/// control points. [PieglTiller1997, ch. 4]
+/// Beyond [0, 1] the polynomials of the end spans are continued. At an interior knot of multiplicity `degree`
+/// or more (degree 1: at every vertex) the tangent may jump; the status is then crease, and derivatives are
+/// those from above. The scalar must be ordered, because the span is found from the value of t. Cost:
+/// O(degree²), O(log n) in the number n of control points. [PieglTiller1997, ch. 4]
 template <class T = double>
 class BSplineCurve {
  public:
   using scalar = T;
   static constexpr Coordinate kind = Coordinate::linear;
 
-  /// A wave in the xy plane, of degree 5: one span, so that it is smooth everywhere.
+  /// A wave in the xy plane, of degree 5 with one span, hence smooth everywhere.
   BSplineCurve()
       : BSplineCurve(5, clamped_knots<T>(5, 6),
                      {{T(0), T(0), T(0)},
@@ -332,8 +332,8 @@ class BSplineCurve {
 
   /// \param degree 1 to 15
   /// \param knots as many as control points + degree + 1, not decreasing, no multiplicity above degree + 1;
-  /// mapped to the domain [0, 1] \param weights positive, or none: all 1 \throws ParameterError naming what
-  /// is wrong
+  /// mapped to the domain [0, 1] \param weights positive; empty: all 1 \throws ParameterError naming what is
+  /// wrong
   BSplineCurve(int degree, std::vector<T> knots, std::vector<Vec3<T>> control_points,
                std::vector<T> weights = {})
       : control_points_(std::move(control_points)), weights_(std::move(weights)) {
@@ -358,7 +358,7 @@ class BSplineCurve {
 
   const KnotVector<T>& knots() const { return knots_; }
   const std::vector<Vec3<T>>& control_points() const { return control_points_; }
-  /// The weights given, times a common power of two; empty if they are all equal.
+  /// The weights times a common power of two; empty if all are equal.
   const std::vector<T>& weights() const { return weights_; }
 
   static std::string refusal(int degree, const std::vector<T>& knots,
@@ -371,7 +371,7 @@ class BSplineCurve {
   CurveJet<S> jet(const S& t) const {
     return jet_to<3>(t);
   }
-  /// jet() with its derivatives up to `order` only, to the same bits; zero beyond.
+  /// jet() with derivatives up to `order`, bit for bit; higher ones are zero.
   template <int order, class S>
   CurveJet<S> jet_to(const S& t) const {
     const auto span = knots_.span(t);

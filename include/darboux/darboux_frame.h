@@ -10,8 +10,8 @@
 
 namespace darboux {
 
-/// A curve u(s), v(s) on a surface at one point, by its first and second derivatives with respect to its
-/// parameter.
+/// A curve u(s), v(s) on a surface at one point, given by its first and second derivatives with respect to
+/// the parameter s.
 template <class S>
 struct CurveOnSurface {
   S du, dv, d2u, d2v;
@@ -20,7 +20,7 @@ struct CurveOnSurface {
 /// The Darboux frame of a curve on a surface: T its unit tangent, V = n × T the tangent normal, n the
 /// surface normal; κn its normal curvature, κg its geodesic curvature, τg its geodesic torsion (1/length):
 ///   T' = κg V + κn n,   V' = -κg T + τg n,   n' = -κn T - τg V   (derivatives by arc length)
-/// κn is positive where the curve bends towards n, κg where it turns left, seen from the side of n.
+/// κn is positive if the curve bends towards n, κg if it turns left as seen from the side of n.
 /// [doCarmo2016, sec. 4-4]
 template <class S>
 struct DarbouxFrame {
@@ -57,7 +57,7 @@ template <std::floating_point S>
 DarbouxFrame<S> darboux_frame(const Jet2<S>& j, const Frame<S>& frame, const CurveOnSurface<S>& curve) {
   return darboux_frame(j, frame, shape_operator(j, frame), curve);
 }
-/// At (u, v) of a surface, at poles and collapsed edges too: see shape_operator().
+/// The Darboux frame at (u, v) of a surface, including poles and collapsed edges: see shape_operator().
 template <class X, std::floating_point S>
 DarbouxFrame<S> darboux_frame(const X& surface, S u, S v, const CurveOnSurface<S>& curve) {
   const Jet2<S> j = detail::jet_of(surface, u, v);

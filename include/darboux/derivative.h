@@ -1,5 +1,5 @@
 /// \file derivative.h
-/// derivative(): f'(x) by the cheapest method of differentiate.h whose error estimate is good enough.
+/// derivative(): f'(x) by the cheapest method of differentiate.h whose error estimate meets a tolerance.
 ///
 ///     const auto d = darboux::derivative([](double x) { return std::exp(x); }, 0.5, {.error = 1e-10});
 ///     d.value, d.error, d.met, name(d.method, d.order)
@@ -34,22 +34,22 @@ inline std::string name(DerivativeMethod method, int order = 0) {
   return "none";
 }
 
-/// What derivative() is asked for.
+/// The request to derivative().
 struct DerivativeRequest {
-  double error;       ///< the absolute error wanted
+  double error;       ///< the absolute error permitted
   double length = 1;  ///< of f: see differentiate.h
   Interval domain{};  ///< f is evaluated nowhere else
 };
 
-/// A derivative, and how it was found.
+/// A derivative, and how it was computed.
 template <class V>
 struct PlannedDerivative {
   V value;
   double error;  ///< estimated
   DerivativeMethod method = DerivativeMethod::none;
   int order = 0;        ///< of the difference; 0 for the other methods
-  int evaluations = 0;  ///< of f, all attempts and the 20 of behaviour() included
-  bool met = false;     ///< error <= what was requested
+  int evaluations = 0;  ///< of f, including all attempts and the 20 of behaviour()
+  bool met = false;     ///< error <= the request
 };
 
 namespace detail::difference {
@@ -92,8 +92,8 @@ class Planner {
   void spend(int evaluations) { best_.evaluations += evaluations; }
 
  private:
-  // The methods of order + 2 evaluations: a central difference where there is one and room for it, else a
-  // one-sided one.
+  // The difference with order + 2 evaluations: central if that order exists and the domain has room for it,
+  // otherwise one-sided.
   template <int order>
   void attempt(const Behaviour& b) {
     if (best_.met) return;
@@ -112,7 +112,7 @@ class Planner {
     keep(one_sided<order>(f_, x_, right_ >= left_ ? h : -h, b.rounding, b.length),
          DerivativeMethod::one_sided, order, order + 2);
   }
-  // The rounding alone exceeds the request.
+  // Whether the rounding error alone exceeds the request.
   bool hopeless(double h, double amplification, const Behaviour& b) const {
     return rounding_share * amplification * b.rounding / h > request_.error &&
            best_.method != DerivativeMethod::none;
@@ -126,13 +126,14 @@ class Planner {
 
 }  // namespace detail::difference
 
-/// f'(x) by the cheapest method whose error estimate meets the request. If none does: the best estimate, with
-/// met = false. Dual numbers come first, if f takes them (to prevent that for a generic f, give its parameter
-/// the type double). Then f's behaviour is measured, and differences of 3 to 10 evaluations are tried: of
-/// even order central if the domain has room for the stencil, otherwise one-sided. Ridders' method comes
-/// last. Once there is an estimate, differences whose rounding alone would miss the request are skipped,
-/// except those of order 8. f is evaluated in the domain only. No derivative if x is NaN or outside the
-/// domain, or the length is not positive and finite.
+/// f'(x) by the cheapest method whose error estimate meets the request. If none does, the result with the
+/// smallest estimate is returned, with met = false. Dual numbers are tried first, if f accepts them (to
+/// prevent that for a generic f, give its parameter the type double). Then the behaviour of f is measured,
+/// and differences with 3 to 10 evaluations are tried: central ones for even orders if the domain has room
+/// for the stencil, otherwise one-sided ones. Ridders' method comes last. Once there is an estimate,
+/// differences whose rounding error alone would exceed the request are skipped, except those of order 8. f is
+/// evaluated in the domain only. There is no derivative if x is NaN or outside the domain, or if the length
+/// is not positive and finite.
 template <class F>
 auto derivative(F&& f, double x, const DerivativeRequest& request) {
   namespace d = detail::difference;
@@ -148,8 +149,8 @@ auto derivative(F&& f, double x, const DerivativeRequest& request) {
   planner.spend(20);
   return planner.differences(behaviour(f, x, request.length, request.domain));
 }
-/// The same by differences only, with a behaviour measured before: for many points of one function. Dual
-/// numbers are not tried. The length is that of b, and `evaluations` lacks the 20 of behaviour().
+/// The same by differences only, with a behaviour measured beforehand: for many points of one function. The
+/// length is that of b, and `evaluations` does not include the 20 of behaviour().
 template <class F>
 auto derivative(F&& f, double x, const DerivativeRequest& request, const Behaviour& b) {
   namespace d = detail::difference;

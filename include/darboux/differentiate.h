@@ -1,32 +1,32 @@
 /// \file differentiate.h
 /// Numerical differentiation of functions of one variable, each derivative with an estimate of its error:
 /// central and one-sided differences, Ridders' extrapolation, dual numbers and second derivatives.
-/// derivative.h takes the cheapest of them that is good enough.
+/// derivative.h chooses the cheapest of them that is accurate enough.
 ///
 ///     const auto d = darboux::central_difference<8>([](double x) { return std::exp(x); }, 0.5);
 ///     d.value, d.error
 ///
-/// f takes a double (the dual routes: a dual number) and returns a number or a Vec3; an error is absolute,
-/// for a Vec3 the length of the error. u = 2^-53.
+/// f takes a double (for dual numbers: a dual number) and returns a number or a Vec3. Errors are absolute;
+/// for a Vec3, the length of the error vector. u = 2^-53.
 ///
 /// *Length.* L says how fast f varies: |f⁽ⁿ⁾| is about (2π/L)ⁿ |f| for n up to the order of the
 /// method. It is the period of a sine, 2π/k for exp(kx), about 1.5 times the distance to the nearest pole of
-/// a rational function, and 1 for a surface that goes round once; a helicoid of 10^6 turns has 10^-6. Steps
-/// are proportional to it. Too large an L costs truncation, too small a one rounding; the estimate sees both
-/// as long as the stencil stays within a tenth of the true length.
+/// a rational function, and 1 for a surface that makes one turn; a helicoid of 10^6 turns has 10^-6. Steps
+/// are proportional to L. Too large an L increases the truncation error, too small an L the rounding error;
+/// the estimate covers both as long as the stencil stays within a tenth of the true length.
 ///
-/// *Rounding.* A value of f alone does not show its rounding error. A difference that is given a step assumes
-/// a few roundings of |f| and of the argument, which holds for positions of surfaces. A difference that is
-/// given a Behaviour, which behaviour() measures by 20 evaluations of f, uses the measured rounding and fits
-/// the step to it: for sums that cancel, polynomials, noise of any kind.
+/// *Rounding.* The rounding error of f cannot be seen from a single value. The overloads with a step assume a
+/// few roundings of |f| and of the argument, which holds for positions of surfaces. The overloads with a
+/// Behaviour, which behaviour() measures with 20 evaluations of f, use the measured rounding error and adapt
+/// the step to it: for sums that cancel, polynomials, and noise of any kind.
 ///
-/// *What an estimate promises*, for smooth f with the right length and a measured behaviour: at no more than
-/// 10 of 10^6 points is it below half the true error. The ratio of the estimate to the true error is at most
-/// 10 in the median and at most 100 in the 99th percentile (true errors below u|f'| count as u|f'|).
-/// tests/surface/differentiate_test.cpp holds it to that; docs/theory/differentiation.md derives it and says
-/// where it cannot hold. It is an estimate, no bound.
+/// *Reliability of the estimate*, for smooth f with the right length and a measured behaviour: at no more
+/// than 10 of 10^6 points is the estimate below half the true error. The ratio of the estimate to the true
+/// error is at most 10 in the median and at most 100 at the 99th percentile (true errors below u|f'| count as
+/// u|f'|). tests/surface/differentiate_test.cpp tests this; docs/theory/differentiation.md derives it and
+/// names the exceptions. It is an estimate, not a bound.
 ///
-/// Where a value of f is not finite, or the step too small for x, the value is NaN and the error infinite.
+/// If a value of f is not finite, or the step is too small for x, the value is NaN and the error infinite.
 #pragma once
 
 #include <algorithm>
@@ -49,13 +49,13 @@ struct DerivativeEstimate {
   double error;
 };
 
-/// Where a function may be evaluated: lo and hi included.
+/// The closed interval [lo, hi] in which a function may be evaluated.
 struct Interval {
   double lo = -std::numeric_limits<double>::infinity();
   double hi = std::numeric_limits<double>::infinity();
 };
 
-/// What the choice of a step and the assessment of rounding need to know of f near a point.
+/// The local properties of f from which the step and the rounding error are derived.
 struct Behaviour {
   double length;    ///< L, as above
   double size;      ///< |f| or |f'| L/2π, whichever is larger
@@ -68,19 +68,19 @@ constexpr double unit_roundoff = 0x1p-53;
 constexpr double tau = 6.283185307179586;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// What goes into an estimate: this many times the truncation that the next higher order sees, and this many
-// times the rms rounding. Fitted to the promise above.
+// The weights in an error estimate of the truncation error seen by the next higher order, and of the rms
+// rounding error. Fitted to the reliability stated above.
 constexpr double truncation_share = 2.5;
 constexpr double rounding_share = 3.5;
 constexpr double one_sided_rounding_share = 3.2;
-constexpr double ridders_rounding_share = 4.2;  // more: the least of many estimates is chosen
+constexpr double ridders_rounding_share = 4.2;  // higher, as the smallest of many estimates is chosen
 
 // The rms error of one rounding of x, averaged over a binade, is 0.41 u |x|.
 constexpr double one_rounding = 0.41 * unit_roundoff;
 
-// Steps, in lengths, at which the truncation of a sine is 10 times what one rounding of each value leaves:
-// C θ^(p+1) = 10 A one_rounding for h = θ L/2π, C the coefficient of the first neglected term, A the
-// amplification.
+// Steps, as multiples of the length, at which the truncation error for a sine is 10 times the error from one
+// rounding of each value: C θ^(p+1) = 10 A one_rounding for h = θ L/2π, C the coefficient of the first
+// neglected term, A the amplification.
 constexpr std::array<double, 9> central_steps{0, 0, 0x1p-19, 0, 0x1.1p-12, 0, 0x1.1p-9, 0, 0x1.ap-8};
 constexpr std::array<double, 9> one_sided_steps{0,          0x1.88p-28, 0x1.4p-19, 0x1.8p-15, 0x1.1p-12,
                                                 0x1.bcp-11, 0x1p-9,     0x1.dp-9,  0x1.8p-8};
@@ -157,9 +157,9 @@ double amplification() {
   return std::sqrt(squares + centre * centre);
 }
 
-// h to as few digits as make x ± k h exact for all k up to `reach`, unless a power of two lies between them,
-// and no longer: a node that is rounded by a share e of h costs some e of the leading term, and no higher
-// order takes that away.
+// h rounded down to so few digits that x ± k h is exact for all k up to `reach`, unless a power of two lies
+// between the nodes. A node rounded by e h leaves an error of about e times the leading term, which no higher
+// order removes.
 inline double exact_step(double x, double h, int reach) {
   const double farthest = std::fabs(x) + reach * std::fabs(h);
   double exact = (farthest + h) - farthest;
@@ -168,8 +168,8 @@ inline double exact_step(double x, double h, int reach) {
   return exact == 0 || !std::isfinite(exact) ? h : exact;
 }
 
-// The rms error of f's values where it was not measured: one or two roundings of the size that f has within a
-// length, which its derivatives reveal where f itself happens to be small, and one of its argument.
+// The assumed rms error of f's values if it was not measured: one or two roundings of the magnitude of f
+// within a length (taken from its derivatives where f itself happens to be small), and one of its argument.
 //   slope, bend, third  sizes of the first derivative, and of the second and third over omega², so that no
 //                       power of a length is taken; omega = 2π/L
 inline double usual_rounding(double largest, double x, double slope, double bend, double third,
@@ -197,7 +197,7 @@ DerivativeEstimate<V> extrapolate(const std::array<V, n + 1>& q, double rounding
   }
   double truncation = truncation_share * size(higher_order - value);
   if constexpr (power == 1 && n > 1) {
-    // Where the leading term of the error changes sign, the next one remains: n angle / 2 times as large.
+    // Where the leading term of the error changes sign, the next term remains, n angle / 2 times as large.
     constexpr auto fewer = weights_at_zero<n - 1, power>();
     V lower_order{};
     for (int k = n - 2; k >= 0; --k) lower_order = lower_order + fewer[k] * q[k];
@@ -208,7 +208,7 @@ DerivativeEstimate<V> extrapolate(const std::array<V, n + 1>& q, double rounding
       value, truncation + share * std::hypot(rounding, one_rounding * size(value) * std::sqrt(squares)));
 }
 
-// The step of a method for a measured behaviour: longer where f is rougher than one rounding. The whole
+// The step of a method for a measured behaviour: longer if the noise of f exceeds one rounding. The whole
 // stencil stays within a tenth of the length.
 template <int exponent>
 double step(double step_of_one_rounding, int reach, const Behaviour& b) {
@@ -329,8 +329,8 @@ auto ridders(F& f, double x, double h, double rounding, int& evaluations) {
     power = 1;
     for (int j = 0; j + 1 < i && i >= 3; ++j) {
       power *= 4;
-      // An entry errs by the next one's correction. Where that is small by luck, those at twice the step and
-      // of the next order tell.
+      // The error of an entry is estimated by the next correction. That may be small by chance, so the
+      // corrections at twice the step and of the next order are used as well.
       const double truncation =
           std::max({row[j + 1].correction, above[j + 1].correction / power, row[j + 2].correction});
       const double error =
@@ -359,8 +359,8 @@ constexpr std::array<double, order / 2> central_weights() {
   return w;
 }
 
-/// The step of central_difference for a function of the given length whose values are rounded once: near it
-/// truncation and rounding balance.
+/// The step of central_difference for a function of the given length whose values are rounded once: about
+/// where truncation and rounding errors balance.
 template <int order>
 constexpr double central_step(double length = 1) {
   return detail::difference::central_steps[order] * length;
@@ -376,12 +376,12 @@ constexpr double second_step(double length = 1) {
   return detail::difference::second_steps[order] * length;
 }
 
-/// How f behaves near x: its size and the rms error of its values, measured by 20 evaluations in two
-/// clusters. The points of a cluster lie some 10^-8 lengths apart, so close together that f is a parabola
-/// there and any deviation from one is rounding [More2011]. The clusters lie 1/24 of a length from x, on both
-/// sides where the domain allows. The rounding found has the accuracy of 14 samples, and is at least what one
-/// rounding of |f| leaves. Values rounded so coarsely that f is constant in a cluster show none. Measure once
-/// and use it for all points nearby.
+/// Measures the magnitude of f near x and the rms rounding error of its values, by 20 evaluations in two
+/// clusters. The points of a cluster are some 10^-8 lengths apart: so close that f is a parabola there, and
+/// any deviation from one is rounding [More2011]. The clusters lie 1/24 of a length from x, on both sides
+/// where the domain allows. The result has the statistical accuracy of 14 samples, and is at least the error
+/// of one rounding of |f|. If values are rounded so coarsely that f is constant in a cluster, no rounding
+/// error is found. Measure once and use the result for all points nearby.
 template <class F>
 Behaviour behaviour(F&& f, double x, double length = 1, const Interval& domain = {}) {
   namespace d = detail::difference;
@@ -426,10 +426,10 @@ Behaviour behaviour(F&& f, double x, double length = 1, const Interval& domain =
   return {length, size, std::hypot(residue / std::sqrt(2.0 * (points - 3)), 0.3 * d::unit_roundoff * size)};
 }
 
-/// f'(x) by the central difference of order 2, 4, 6 or 8 at step h, from f at x ± k h, k = 1 ...
-/// order/2 + 1. The outermost two serve the estimate: 2.5 |D - D'| with D' the difference of the next order,
-/// plus 3.5 times the rms of the rounding. Cost: order + 2 evaluations. On the sphere and the torus it errs
-/// by 4e-11, 4e-13, 5e-14, 2e-14 of 2π|f|.
+/// f'(x) by the central difference of order 2, 4, 6 or 8 at step h, from f at x ± k h, k = 1 ... order/2 +
+/// 1. The outermost two are used only for the error estimate: 2.5 |D - D'|, with D' the difference of the
+/// next order, plus 3.5 times the rms rounding error. Cost: order + 2 evaluations. On the sphere and the
+/// torus it errs by 4e-11, 4e-13, 5e-14, 2e-14 of 2π|f|.
 template <int order, class F>
 auto central_difference(F&& f, double x, double h = central_step<order>()) {
   return detail::difference::central<order>(f, x, h, detail::difference::unknown);
@@ -442,8 +442,8 @@ auto central_difference(F&& f, double x, const Behaviour& b) {
 }
 
 /// f'(x) from one side, for the edges of a domain: the difference of order 1 to 8 from f at x + k h, k = 0
-/// ... order + 1; h < 0 goes to the left. The last serves the estimate. Cost: order + 2 evaluations. Order 8
-/// errs by 1e-12 of 2π|f| at most on the sphere and the torus.
+/// ... order + 1. h < 0: from the left. The last point is used only for the error estimate. Cost: order + 2
+/// evaluations. Order 8 errs by 1e-12 of 2π|f| at most on the sphere and the torus.
 template <int order, class F>
 auto one_sided_difference(F&& f, double x, double h = one_sided_step<order>()) {
   return detail::difference::one_sided<order>(f, x, h, detail::difference::unknown);
@@ -471,10 +471,11 @@ auto second_difference(F&& f, double x, const Behaviour& b) {
   return d::second<order>(f, x, d::step<order + 2>(d::second_steps[order], order / 2 + 1, b), b.rounding);
 }
 
-/// f'(x) by Ridders' extrapolation of central differences at h, h/2, h/4, ... to step zero [Ridders1982]: no
-/// step to choose but the first, about an eighth of the length. Ridders' own estimate, by how much neighbours
-/// in the tableau differ, is up to 1000 times too small where rounding makes two agree by chance; each
-/// entry's rounding is followed through the tableau here and added. Cost: 10 to 20 evaluations.
+/// f'(x) by Ridders' extrapolation of central differences at h, h/2, h/4, ... to step zero [Ridders1982].
+/// Only the first step is chosen, about an eighth of the length. Ridders' error estimate, the difference of
+/// neighbouring entries of the tableau, is up to 1000 times too small where rounding makes two agree by
+/// chance. Therefore the rounding error is propagated through the tableau and added. Cost: 10 to 20
+/// evaluations.
 template <class F>
 auto ridders(F&& f, double x, double h = 0.125) {
   int evaluations = 0;
@@ -544,15 +545,16 @@ auto dual(F& f, double x, double length, const Interval& domain) {
 
 }  // namespace detail::difference
 
-/// f'(x) by dual numbers: exact but for rounding, no step. f takes Dual<double, 1>; where it takes Dual<long
-/// double, 1> too, and that is wider, the estimate is the difference between the two: the error itself. Else
-/// the rounding of the derivative is measured by behaviour(). Cost: 2 evaluations, or 21. [Griewank2008]
+/// f'(x) by dual numbers: exact up to rounding, without a step. f takes Dual<double, 1>. If it also takes
+/// Dual<long double, 1>, and long double is wider, the estimate is the difference between the two, that is,
+/// the error itself. Otherwise behaviour() measures the rounding error of the derivative. Cost: 2
+/// evaluations, or 21. [Griewank2008]
 template <class F>
 requires detail::difference::RunsOn<F, detail::difference::Once>
 auto dual_derivative(F&& f, double x, double length = 1, const Interval& domain = {}) {
   return detail::difference::dual<1, detail::difference::Once>(f, x, length, domain);
 }
-/// f''(x) by nested dual numbers, in the same way.
+/// f''(x) by nested dual numbers, likewise.
 template <class F>
 requires detail::difference::RunsOn<F, detail::difference::Twice>
 auto second_dual_derivative(F&& f, double x, double length = 1, const Interval& domain = {}) {

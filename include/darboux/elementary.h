@@ -1,7 +1,7 @@
 /// \file elementary.h
-/// exp, log, sinh, cosh, tanh and pow of float, double and SIMD lanes of them, made of + - * / and of bit
-/// operations alone: a lane and a single number, on any machine, give the same bits. Formulas call them
-/// without a qualifier, so that dual numbers and multiprecision numbers bring their own.
+/// exp, log, sinh, cosh, tanh and pow for float, double and SIMD lanes of them. They use only + - * / and bit
+/// operations, so lanes and single numbers give the same bits on any machine. Formulas call them unqualified,
+/// so that dual numbers and multiprecision numbers can provide their own.
 #pragma once
 
 #include <array>
@@ -187,8 +187,8 @@ HighLow<S> accurate_log(const S& k, const S& f) {
 
 }  // namespace detail
 
-/// e^x for any x, within 0.95 ulp in double and float; correctly inf, 0 or subnormal at the ends. About 35
-/// operations.
+/// e^x for any x, within 0.95 ulp in double and float; infinity, 0 or subnormal where the correct result is.
+/// About 35 operations.
 template <detail::Binary S>
 S exp(const S& x) {
   using std::abs;
@@ -202,7 +202,7 @@ S exp(const S& x) {
   return e.exp_remainder() * e.scale_up(S(1));
 }
 
-/// The natural logarithm of any x: within 0.95 ulp in double and float, also next to 1; -inf of 0, NaN of x <
+/// The natural logarithm of any x: within 0.95 ulp in double and float, also near 1; -inf for 0, NaN for x <
 /// 0. A division and about 40 operations.
 template <detail::Binary S>
 S log(const S& x) {
@@ -320,7 +320,7 @@ S pow(const S& x, const S& e) {
   return select(is_zero, at_zero, S(power.exp_remainder() * power.scale_up(one)));
 }
 
-/// The same of a long double, by the standard library.
+/// The same for long double, by the standard library.
 template <detail::Binary S>
 requires std::same_as<S, long double> S exp(const S& x) {
   return std::exp(x);

@@ -1,6 +1,6 @@
 /// \file error.h
-/// What the library throws: at construction, for wrong arguments, on files and on the command line; never for
-/// values of u and v, nor for what a user's formula gives there.
+/// Exceptions of the library. They are thrown at construction, for invalid arguments, for files and on the
+/// command line; never for values of u and v, nor for what a user's formula returns there.
 #pragma once
 
 #include <stdexcept>

@@ -32,36 +32,37 @@ constexpr bool evaluates = std::same_as<T, float> || std::same_as<T, double>;
 
 }  // namespace detail
 
-/// Where the points are. Nothing is copied: the arrays live until the call that uses them returns.
+/// The (u, v) to evaluate. A view: the arrays are not copied, and must outlive the call that uses them.
 template <std::floating_point T>
 class Points {
   static_assert(detail::evaluates<T>, "expected Points of float or double");
 
  public:
-  /// (u[i], v[i]). \throws ParameterError when the lengths differ
+  /// Point i is (u[i], v[i]). \throws ParameterError if the lengths differ
   static Points arrays(std::span<const T> u, std::span<const T> v);
-  /// u, v, u, v, ... \throws ParameterError when the number of values is odd
+  /// Pairs without gaps: u, v, u, v, ... \throws ParameterError if the number of values is odd
   static Points interleaved(std::span<const T> uv);
-  /// `points` pairs, each `stride` bytes after the one before.
-  /// \throws ParameterError for a stride below that of a pair, or not a multiple of the numbers' alignment
+  /// Strided pairs: `points` of them, each `stride` bytes after the previous one.
+  /// \throws ParameterError if the stride is smaller than a pair, or not a multiple of the alignment of T
   static Points interleaved(const T* uv, std::size_t points, std::ptrdiff_t stride);
-  /// The (columns + 1) × (rows + 1) corners of a grid of cells: u = i/columns, v = j/rows, u running faster,
-  /// rounded from double to T. \param first, count only these rows of points: `count` of them from row
-  /// `first` on; by default all. Sines and cosines are computed once per row and column. \throws
-  /// ParameterError unless columns and rows are 1 to 2^31 and `first` is 0 to rows
+  /// The (columns + 1) × (rows + 1) vertices of a grid of columns × rows cells: u = i/columns, v = j/rows,
+  /// computed in double and rounded to T. u varies fastest. Sines and cosines are computed once per row and
+  /// once per column. \param first, count the rows of points to take: `count` rows, starting at row `first`;
+  /// all by default. \throws ParameterError unless columns and rows are 1 to 2^31 and `first` is 0 to rows
   static Points grid(std::size_t columns, std::size_t rows, std::size_t first = 0,
                      std::size_t count = std::numeric_limits<std::size_t>::max());
-  /// The corners of a block of cells_u × cells_v cells of that grid, from cell (first_column, first_row) on,
-  /// with the same bits. \throws ParameterError when the block is empty or not within the grid
+  /// The vertices of a block of cells_u × cells_v cells of that grid. The block starts at cell
+  /// (first_column, first_row). Coordinates are bit-identical to those of grid(). \throws ParameterError if
+  /// the block is empty or extends beyond the grid
   static Points part_of_grid(std::size_t columns, std::size_t rows, std::size_t first_column,
                              std::size_t cells_u, std::size_t first_row, std::size_t cells_v);
 
-  /// `count` of them from `first` on. \throws ParameterError when there are fewer
+  /// A subrange: `count` points, starting at index `first`. \throws ParameterError if there are fewer
   Points part(std::size_t first, std::size_t count) const;
 
-  /// How many.
+  /// The number of points.
   std::size_t size() const { return size_; }
-  /// The i-th.
+  /// (u, v) of point i.
   Vec2<T> operator[](std::size_t i) const {
     if (columns_ > 0) return {column((offset_ + i) % (columns_ + 1)), row((offset_ + i) / (columns_ + 1))};
     const auto at = [&](const T* x) {
@@ -72,9 +73,9 @@ class Points {
   }
 
   bool is_grid() const { return columns_ > 0; }
-  std::size_t columns() const { return columns_; }  ///< of cells in a row of points
-  std::size_t offset() const { return offset_; }    ///< of a part: the first point's index in the rows taken
-  /// u of the i-th column, v of the j-th row of points taken.
+  std::size_t columns() const { return columns_; }  ///< of the grid, in cells; 0: no grid
+  std::size_t offset() const { return offset_; }    ///< for a part: its first point's index in the rows taken
+  /// For a grid: u of column i, v of row j, both counted from the first one taken.
   T column(std::size_t i) const {
     return static_cast<T>(static_cast<double>(first_column_ + i) / static_cast<double>(all_columns_));
   }
@@ -83,7 +84,7 @@ class Points {
   }
   const T* u() const { return u_; }
   const T* v() const { return v_; }
-  std::ptrdiff_t stride() const { return stride_; }  ///< bytes from a u to the next, a v to the next
+  std::ptrdiff_t stride() const { return stride_; }  ///< bytes from one u (or v) to the next
 
  private:
   const T *u_ = nullptr, *v_ = nullptr;
@@ -92,32 +93,33 @@ class Points {
               offset_ = 0;
 };
 
-/// Where an attribute goes: for each component the first point's number, and the bytes from a point to the
-/// next.
+/// Where an attribute is written: per component the address of the first point's value, and the stride from
+/// point to point, in bytes.
 template <class T>
 struct OutputPlace {
   std::array<T*, most_components> component{};
   std::ptrdiff_t stride = 0;
-  std::size_t points = 0;  ///< how many there is room for
+  std::size_t points = 0;  ///< capacity, in points
 };
 
-/// What is asked for, and where it goes.
+/// The attributes requested, and the memory they are written to.
 template <std::floating_point T>
 class Outputs {
   static_assert(detail::evaluates<T>, "expected Outputs of float or double");
 
  public:
-  /// One array per component, in the order of attributes.h. All functions: \throws ParameterError naming the
-  /// attribute when it is already asked for, the number of components is wrong, a pointer is null or not
-  /// aligned to T, or the stride is below the size of the vector or not a multiple of T's alignment.
+  /// One array per component, in the order of attributes.h. \throws ParameterError (as do all functions
+  /// below), naming the attribute, if it was already requested; the number of components is wrong; a pointer
+  /// is null or not aligned to T; or the stride is smaller than the vector or not a multiple of the alignment
+  /// of T
   Outputs& separate(Attribute a, std::span<const std::span<T>> components);
   Outputs& separate(Attribute a, std::initializer_list<std::span<T>> components) {
     return separate(a, std::span<const std::span<T>>(components.begin(), components.size()));
   }
-  /// One array of vectors, without gaps: as many values as a multiple of the components.
+  /// One array of vectors without gaps. Its size must be a multiple of the number of components.
   Outputs& packed(Attribute a, std::span<T> values);
-  /// A member of each struct of an array. \param first the member's first component in the first struct
-  /// \param points number of structs \param stride their size in bytes
+  /// One member of each struct in an array of structs. \param first the first component of that member in the
+  /// first struct \param points number of structs \param stride size of a struct, in bytes
   Outputs& member(Attribute a, T* first, std::size_t points, std::ptrdiff_t stride);
   /// The status of each point.
   Outputs& status(std::span<Status> values) { return status(values.data(), values.size(), sizeof(Status)); }
@@ -138,22 +140,22 @@ class Outputs {
   std::size_t status_points_ = 0;
 };
 
-/// Whether results bypass the caches (non-temporal stores). This is about 1.5 times as fast for results
-/// larger than the caches, and that much slower for smaller ones. automatic: decided by size.
+/// Whether results are written past the caches (non-temporal stores): about 1.5 times as fast if the results
+/// exceed the caches, about 1.5 times as slow otherwise. automatic: chosen by size.
 enum class Stores : std::uint8_t { automatic, cached, past_caches };
 
 struct EvaluateOptions {
-  int threads = 1;  ///< the results do not depend on it; 0: as many as the machine has
+  int threads = 1;                             ///< 0: all hardware threads; results do not depend on it
   SignConvention sign = SignConvention::gltf;  ///< of tangent4
   Stores stores = Stores::automatic;
   InstructionSet instruction_set = InstructionSet::automatic;
 };
 
-/// What happened at the points, as sample() flags it.
+/// How many points have each status bit of sample().
 struct StatusSummary {
   std::size_t points = 0;
   std::size_t point_by_point =
-      0;  ///< of these, points that fell back from SIMD lanes to the single-point functions
+      0;  ///< of these, evaluated by the single-point functions instead of SIMD lanes
   std::array<std::size_t, status_names.size()> count{};  ///< points with each bit
   std::array<std::size_t, status_names.size()>
       first{};  ///< index of the first such point; 0 where count is 0
@@ -162,13 +164,13 @@ struct StatusSummary {
       if (n > 0) return false;
     return true;
   }
-  /// Adds those of the points that follow.
+  /// Appends the summary of the points that follow these.
   StatusSummary& operator+=(const StatusSummary& next);
 };
 
 namespace detail {
 
-// All numbers of one point, each attribute at its place in the order of attributes.h.
+// All values at one point, indexed by Attribute.
 template <class T>
 struct PointValues {
   std::array<std::array<T, most_components>, attribute_count> values{};
@@ -177,14 +179,14 @@ struct PointValues {
   void set(Attribute a, T x) { values[static_cast<std::size_t>(a)] = {x}; }
 };
 
-// A surface type over T, its type erased.
+// A type-erased surface over T.
 template <class T>
 struct ErasedSurface {
   const void* surface;
   const std::type_info* type;
   Coordinate u, v;
   bool tangent_depends_on_u_alone;
-  bool proven;  // parameters of sizes for which lanes need no look at each result
+  bool proven;  // parameters so sized that lanes need not check each result for overflow
   void (*point)(const void*, T u, T v, Attributes, SignConvention, PointValues<T>&);
 };
 
@@ -194,7 +196,7 @@ void evaluate_point(const void* erased, T u, T v, Attributes asked, SignConventi
   const X& surface = *static_cast<const X*>(erased);
   const auto pu = prepare<X::info.u>(u);
   const auto pv = prepare<X::info.v>(v);
-  // The status takes the frame, whatever is asked for.
+  // The status needs the frame, whatever is requested.
   const bool curved = asked.has_any(curvature_attributes);
   const bool partials = !HasClosedFrame<X> || curved || asked.has_any(partial_attributes);
   Jet2<T> j{};
@@ -227,7 +229,7 @@ void evaluate_point(const void* erased, T u, T v, Attributes asked, SignConventi
   partial(Attribute::d2pdv2, j.d2pdv2);
   if (!curved) return;
   const Curvature<T> c = [&] {
-    using N = Dual<Dual<T, 2>, 2>;  // at poles; a user's formula may not run over it
+    using N = Dual<Dual<T, 2>, 2>;  // needed at poles; a user's formula may not compile with it
     if constexpr (requires(const Prepared<X::info.u, N>& nu, const Prepared<X::info.v, N>& nv) {
                     surface.jet(nu, nv);
                   })
@@ -243,8 +245,8 @@ void evaluate_point(const void* erased, T u, T v, Attributes asked, SignConventi
   if (asked.has(Attribute::principal_directions)) result.status |= c.status & Status::umbilic;
 }
 
-// Parameters for which nothing overflows inside the domain: zero, or of a proven size, in float within
-// 1e±12.
+// Whether the parameters exclude overflow inside the domain: each is zero or of proven magnitude, in float
+// also within 1e±12.
 template <class T, class X>
 bool sizes_are_proven(const X& surface) {
   bool proven = true;
@@ -283,21 +285,22 @@ StatusSummary evaluate(const ErasedSurface<float>&, const Points<float>&, const 
 
 }  // namespace detail
 
-/// Evaluates a surface at all points, in SIMD lanes for the catalogue where its formulas allow, else point by
-/// point. Numbers and statuses are bit for bit those of sample() and curvature(), whatever the instruction
-/// set, layout, number of threads and place in the batch. Where no frame exists vectors are NaN. The status
-/// has overflow only for partials that were asked for, umbilic only with principal directions.
+/// Evaluates a surface at all points. Surfaces of the catalogue run in SIMD lanes where their formulas allow
+/// it; all others run point by point. Values and statuses are bit for bit those of sample() and curvature(),
+/// whatever the instruction set, memory layout, number of threads and position in the batch. Where no frame
+/// exists, vectors are NaN. The status has overflow only for partials that were requested, and umbilic only
+/// if principal directions were.
 ///
-/// Only what is asked for is computed, with two exceptions: the frame, which the status needs; and higher
-/// derivatives of splines, if points go one by one or the surface has no closed-form frame. Results must not
-/// overlap one another or the points. Only threads, and the first call, allocate.
+/// Only requested attributes are computed, with two exceptions: the frame, because the status needs it; and
+/// higher derivatives of splines, if points run one by one or the surface has no closed-form frame. Outputs
+/// must not overlap one another or the points. Memory is allocated only by the first call and for threads.
 ///
 /// In float, u, v and the parameters are rounded to float first, which alone may cost hundreds of ulps. For
-/// floats nearest to the exact values, evaluate in double and round. About 5 ns per point for position, dpdu,
-/// dpdv, t, b, n of a torus in double; docs/reports/evaluation.md has the figures. \throws ParameterError
-/// when an output has room for fewer points than there are, the number of threads is negative, or the
-/// instruction set, or what DARBOUX_ISA names, is not one of instruction_sets(); nothing is written then.
-/// Exceptions of a user's surface are passed on.
+/// correctly rounded floats, evaluate in double and round. Cost: about 5 ns per point for position, dpdu,
+/// dpdv, t, b, n of a torus in double; measurements: docs/reports/evaluation.md. \throws ParameterError if an
+/// output is too small for the points, the number of threads is negative, or the instruction set (given or
+/// named by DARBOUX_ISA) is not one of instruction_sets(). Nothing is written in that case. Exceptions thrown
+/// by a user's surface propagate.
 template <ParametricSurface X, std::floating_point T>
 StatusSummary evaluate(const X& surface, const Points<T>& points, const Outputs<T>& outputs,
                        const EvaluateOptions& options = {}) {

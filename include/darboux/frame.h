@@ -1,6 +1,6 @@
 /// \file frame.h
-/// Frames from partials, Gram-Schmidt, rotation between object and tangent space, transformation by affine
-/// maps.
+/// Frames from partials, Gram-Schmidt orthonormalisation, rotation between object and tangent space,
+/// transformation by affine maps.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,8 @@ namespace detail {
 
 }  // namespace detail
 
-/// The angle between two unit vectors, in radians, 0 to π, accurate at both ends. NaN for NaN. [Kahan2006]
+/// The angle between two unit vectors, in radians, 0 to π. Accurate near 0 and near π. NaN if an input is
+/// NaN. [Kahan2006]
 template <std::floating_point S>
 S angle_between_units(const Vec3<S>& p, const Vec3<S>& q) {
   const S chord = norm(p - q), square = chord * chord;
@@ -26,16 +27,17 @@ S angle_between_units(const Vec3<S>& p, const Vec3<S>& q) {
   return S(2) * std::atan2(chord, norm(p + q));
 }
 
-/// The same for vectors of any length; meaningless where one is zero.
+/// The same for vectors of any non-zero length. Meaningless if one is zero.
 template <std::floating_point S>
 S angle_between(const Vec3<S>& a, const Vec3<S>& b) {
   return angle_between_units(unit(a), unit(b));
 }
 
-/// The orthonormal frame of two partials: t = dpdu/|dpdu|, n = dpdu × dpdv / |dpdu × dpdv|, b = n × t. Any
-/// finite lengths will do: the partials are scaled first. handedness is +1. Where no frame exists the vectors
-/// are NaN and the status says why: dpdu_zero, dpdv_zero or parallel, with no_frame; non_finite_input for NaN
-/// or infinity. Error about 2u / sin(angle between the partials) with u the unit roundoff. About 90 ns.
+/// The orthonormal frame of two partials: t = dpdu/|dpdu|, n = dpdu × dpdv / |dpdu × dpdv|, b = n × t,
+/// handedness = +1. Partials may have any finite length: they are scaled first. If no frame exists, the
+/// vectors are NaN and the status is no_frame with dpdu_zero, dpdv_zero, parallel or, for NaN and infinity,
+/// non_finite_input. Error: about 2u / sin(angle between the partials), u the unit roundoff. Cost: about 90
+/// ns.
 template <detail::Binary S>
 Frame<S> frame_from_partials(const Vec3<S>& dpdu, const Vec3<S>& dpdv) {
   if constexpr (detail::Lanewise<S>) {
@@ -66,11 +68,10 @@ Frame<S> frame_from_partials(const Vec3<S>& dpdu, const Vec3<S>& dpdv) {
   }
 }
 
-/// Makes a tangent and bitangent of any length orthonormal to a normal n, which must be unit and is kept:
+/// Gram-Schmidt: makes a tangent and a bitangent of any length orthonormal to a unit normal n, which is kept:
 ///   t' = unit(t - (t·n) n),   b' = unit(b - (b·n) n - (b·t') t')
-/// handedness is the sign of det(t, b, n): -1 where (t', b', n) is left-handed. Where t is parallel to n, t'
-/// and b' are NaN; where b lies in the plane of t and n, b' is; the status is then no_frame.
-/// [Lengyel2001]
+/// handedness is the sign of det(t, b, n): -1 if (t', b', n) is left-handed. If t is parallel to n, t' and b'
+/// are NaN; if b lies in the plane of t and n, b' is NaN. In both cases the status is no_frame. [Lengyel2001]
 template <std::floating_point S>
 struct Orthogonalised {
   Vec3<S> t, b, n;
@@ -79,7 +80,8 @@ struct Orthogonalised {
 };
 template <std::floating_point S>
 Orthogonalised<S> gram_schmidt(const Vec3<S>& t, const Vec3<S>& b, const Vec3<S>& n) {
-  // Of a unit vector in the span of those taken off, rounding leaves up to 16u: that is no direction.
+  // If the unit vector lies in the span of those subtracted, rounding leaves a remainder of up to 16u, which
+  // is no direction.
   const auto direction = [](const Vec3<S>& rest) {
     return norm(rest) > S(8) * std::numeric_limits<S>::epsilon() ? unit(rest) : Vec3<S>{};
   };
@@ -96,8 +98,8 @@ Orthogonalised<S> gram_schmidt(const Vec3<S>& t, const Vec3<S>& b, const Vec3<S>
   return result;
 }
 
-/// The rotation that takes tangent-space directions (a normal map's) to object space: columns t, b, n.
-/// For a ParametricFrame the columns are the coordinate directions: not a rotation on an oblique chart.
+/// The matrix (t b n) that maps tangent-space directions, such as those of a normal map, to object space. It
+/// is a rotation for an orthonormal frame; for a ParametricFrame on an oblique chart it is not.
 template <class AnyFrame>
 auto tangent_to_object(const AnyFrame& frame) {
   using S = decltype(frame.t.x + frame.t.x);
@@ -106,14 +108,14 @@ auto tangent_to_object(const AnyFrame& frame) {
   return m;
 }
 
-/// The rotation that takes object-space directions (to the light, to the eye) into tangent space: the
-/// transpose of tangent_to_object, rows t, b, n.
+/// The rotation that maps object-space directions (to the light, to the eye) to tangent space: the transpose
+/// of tangent_to_object(), with rows t, b, n.
 template <class S>
 Eigen::Matrix<S, 3, 3> object_to_tangent(const Frame<S>& frame) {
   return tangent_to_object(frame).transpose();
 }
 
-/// A rotation as a 4x4 matrix without translation, as shaders take it.
+/// A rotation as a homogeneous 4x4 matrix without translation, for shaders.
 template <class S>
 Eigen::Matrix<S, 4, 4> homogeneous(const Eigen::Matrix<S, 3, 3>& rotation) {
   Eigen::Matrix<S, 4, 4> m = Eigen::Matrix<S, 4, 4>::Identity();
@@ -121,10 +123,10 @@ Eigen::Matrix<S, 4, 4> homogeneous(const Eigen::Matrix<S, 3, 3>& rotation) {
   return m;
 }
 
-/// The conventions in which files store the sign w of a tangent; the bitangent is w · cross(n, t).
+/// Conventions for the sign w of a stored tangent. The bitangent is w · cross(n, t).
 enum class SignConvention {
   gltf,  ///< w = -handedness for uvs stored as (u, v): glTF's v runs down the image
-  raw,   ///< w = +handedness: MikkTSpace's own
+  raw,   ///< w = +handedness: MikkTSpace's convention
 };
 
 /// (t, w) as stored in files and vertex buffers.
@@ -134,14 +136,14 @@ Vec4<S> tangent4(const Frame<S>& frame, SignConvention convention = SignConventi
           convention == SignConvention::raw ? frame.handedness : -frame.handedness};
 }
 
-/// An affine map prepared for frames: transforms tangents by M, normals by its inverse transpose, and
-/// multiplies handedness by the sign of det M. A mirror flips the handedness, never n.
+/// Transforms frames by an affine map with linear part M: tangents by M, normals by the inverse transpose of
+/// M, handedness by the sign of det M. A mirror (det M < 0) flips the handedness, never n.
 template <std::floating_point S>
 class FrameTransform {
  public:
   using Matrix = Eigen::Matrix<S, 3, 3>;
 
-  /// \throws ParameterError when M is singular to working precision or not finite
+  /// \throws ParameterError if M is singular to working precision or not finite
   explicit FrameTransform(const Matrix& m) {
     const S largest = m.cwiseAbs().maxCoeff();
     const int e = largest > 0 && std::isfinite(largest) ? std::ilogb(largest) : 0;
@@ -165,7 +167,7 @@ class FrameTransform {
     return result;
   }
 
-  /// Coordinate directions go by M, both of them.
+  /// Transforms both t and b by M.
   ParametricFrame<S> operator()(const ParametricFrame<S>& frame) const {
     ParametricFrame<S> result = frame;
     result.t = unit(from_eigen(m_ * to_eigen(frame.t)));

@@ -1,6 +1,6 @@
 /// \file framed_curve.h
-/// Curves with a moving frame of their own, which a tube needs: of plane curves, of curves with a fixed
-/// direction beside them, and rotation-minimising ones.
+/// Curves with a moving frame, as tubes require: planar curves, curves with a fixed up direction, and
+/// rotation-minimising frames.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace darboux {
 
 /// A curve that lies in a plane z = constant, with the moving frame T, N = (-T_y, T_x, 0), B = +z: the bend
-/// is positive where the curve turns left. This is what makes a tube about any planar curve.
+/// is positive where the curve turns left. Use it for a tube around any planar curve.
 template <class Curve = BSplineCurve<double>>
 struct PlanarCurve {
   using scalar = typename Curve::scalar;
@@ -73,7 +73,8 @@ template <class Curve>
 PlanarCurve(Curve) -> PlanarCurve<Curve>;
 
 /// A curve in space with N in the plane of T and a fixed direction `up`, on the side of `up`: N = unit(up -
-/// (up · T) T). In closed form, with a twist. There is no frame where the curve runs along `up`.
+/// (up · T) T). In closed form; the twist is not zero in general. There is no frame where the curve is
+/// parallel to `up`.
 template <class Curve = HelixCurve<double>>
 struct UprightCurve {
   using scalar = typename Curve::scalar;
@@ -132,13 +133,14 @@ UprightCurve(Curve) -> UprightCurve<Curve>;
 template <class Curve, class T>
 UprightCurve(Curve, Vec3<T>) -> UprightCurve<Curve>;
 
-/// A curve in space with a rotation-minimising frame: N and B do not turn about T. It is the frame of
-/// UprightCurve turned by φ(t) = -∫ twist dt from 0 to t, so that N at t = 0 leans towards `up`
-/// [Bishop1975]. The integral is computed by Gauss's four-point rule on each of `panels` equal pieces of [0,
-/// t]; turning_error() estimates its error. T and the rates are in closed form. N and B are turned by that
-/// error, and a tube's points are moved by it times the radius; the derivatives do not show this. Cost: 4
-/// panels evaluations of the curve. Not for closed curves: the frame does not return to itself. There is no
-/// frame if the curve runs along `up` somewhere; choose `up` so that it does not.
+/// A curve in space with a rotation-minimising frame: N and B do not rotate about T. It is the frame of
+/// UprightCurve rotated by φ(t) = -∫ twist dt from 0 to t, so at t = 0 the two agree and N leans towards
+/// `up` [Bishop1975]. The integral is computed by four-point Gauss quadrature on each of `panels` equal
+/// subintervals of [0, t]; turning_error() estimates its error. T and the rates are in closed form. The
+/// quadrature error rotates N and B, and displaces the points of a tube by the error times the radius; the
+/// derivatives do not include this. Cost: 4 panels evaluations of the curve. Not for closed curves: the frame
+/// does not return to itself. There is no frame if the curve is parallel to `up` anywhere; choose `up`
+/// accordingly.
 template <class Curve = HelixCurve<double>>
 struct RotationMinimisingCurve {
   static_assert(Curve::kind == Coordinate::linear, "a rotation-minimising frame does not close");
@@ -169,8 +171,8 @@ struct RotationMinimisingCurve {
     f.twist = f.twist_rate = lift<S>(0.0);
     return f;
   }
-  /// An estimate of the error of φ in radians: the largest difference to the integral with half as many
-  /// panels, at 16 values of t. What rounding leaves is about 1e-15.
+  /// An estimate of the error of φ in radians: the largest difference from the integral with half as many
+  /// panels, at 16 values of t. The rounding error is about 1e-15.
   double turning_error() const {
     double worst = 0;
     for (int i = 1; i <= 16; ++i) {

@@ -1,5 +1,5 @@
 /// \file from_position.h
-/// Surfaces from a position alone: the partials come by dual numbers.
+/// Surfaces defined by a position formula only. The partials are computed with dual numbers.
 #pragma once
 
 #include <type_traits>
@@ -23,9 +23,9 @@ struct ScalarOf<Turn<S>> {
 
 }  // namespace detail
 
-/// A surface from its position alone: X has `info` and position(u, v) -> Vec3<S> on prepared coordinates of
-/// any scalar; the partials come from nested dual numbers, to the last bits, at some ten times the cost.
-/// Whatever else X states (parameters, singular, facts) is passed on.
+/// A surface defined by its position. X has `info` and position(u, v) -> Vec3<S> for prepared coordinates of
+/// any scalar. The partials are computed with nested dual numbers, accurate to rounding, at some ten times
+/// the cost of closed forms. Other members of X (parameters, singular, facts) are forwarded.
 template <class X>
 struct FromPosition : X {
   template <class PU, class PV>

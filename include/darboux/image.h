@@ -1,5 +1,5 @@
 /// \file image.h
-/// Images as arrays of numbers, as files store them. No colour is converted.
+/// Images as arrays of numbers, as stored in files. Colours are not converted.
 #pragma once
 
 #include <cstddef>
@@ -9,14 +9,14 @@
 
 namespace darboux {
 
-/// What a channel of a texel is.
+/// The type of a channel of a texel.
 enum class SampleType : std::uint8_t {
   u8,   ///< codes 0 to 255
   u16,  ///< codes 0 to 65535
   f32   ///< numbers
 };
 
-/// Texels row by row from the top, each with its channels: red, green, blue and, if there are four, alpha.
+/// Texels, row by row from the top. Channels: red, green, blue and, if there are four, alpha.
 struct Image {
   using Samples = std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<float>>;
 

@@ -14,14 +14,14 @@
 namespace darboux {
 
 struct ReadImageOptions {
-  /// Whether colour tags of the file are ignored. If not, a file whose tags say that its numbers are not
-  /// linear is refused: numbers are never converted silently.
+  /// Whether to ignore the colour tags of the file. If false, a file whose tags say that its numbers are not
+  /// linear is rejected: numbers are never converted silently.
   bool drop_colour_tags = false;
-  /// Bytes that the decoded texels may take. Nothing: as ReadOptions::max_memory.
+  /// The limit for the memory of the decoded texels, in bytes. Empty: as ReadOptions::max_memory.
   std::optional<std::uint64_t> max_memory{};
 };
 
-/// Reads an image, by its content PNG or EXR, else by its extension TGA.
+/// Reads an image: PNG or EXR, detected by content, or TGA, detected by extension.
 ///   PNG  8 and 16 bits, with alpha or not, interlaced too (then of at most 2^24 texels). A chunk sRGB, iCCP,
 ///        or gAMA of other than 1 is a colour tag.
 ///   TGA  true colour, 24 and 32 bits, run-length encoded or not. A gamma of other than 1 in its extension
@@ -33,10 +33,10 @@ struct ReadImageOptions {
 /// images, TGA of 16 bits, colour tags, truncated files
 Image read_image(const std::string& path, const ReadImageOptions& options = {});
 
-/// The same of an image's bytes. \param name for messages, and for its extension
+/// The same from the bytes of an image. \param name used in messages and for the extension
 Image read_image(const std::string& name, std::string_view bytes, const ReadImageOptions& options = {});
 
-/// What a file says of its colours, as "sRGB" or "gAMA 0.45455"; empty where it is linear or says nothing.
+/// The colour tag of a file, such as "sRGB" or "gAMA 0.45455"; empty if it is linear or absent.
 /// \throws FileError as read_image()
 std::string image_colour_tag(const std::string& path);
 std::string image_colour_tag(const std::string& name, std::string_view bytes);
@@ -50,7 +50,7 @@ std::span<const SampleType> image_types(const std::string& path);
 /// image_types(), no texels, channels other than 3 or 4, or samples other than width * height * channels
 void write_image(const std::string& path, const Image& image);
 
-/// The same into a file that was opened before the work, and commits it. \param path its name
+/// The same into a file that was opened beforehand; commits it. \param path its name
 void write_image(OutputFile& file, const std::string& path, const Image& image);
 
 }  // namespace darboux

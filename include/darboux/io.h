@@ -1,6 +1,6 @@
 /// \file io.h
-/// Files: glTF and GLB over the JSON document itself; PLY, STL, COLLADA, OBJ and FBX; sampled points;
-/// surfaces that a user wrote down. Every float of a glTF keeps its bits. Target darboux::io.
+/// File formats: glTF and GLB, edited as JSON documents; PLY, STL, COLLADA, OBJ and FBX; sampled points;
+/// user-defined surfaces. Floats of glTF files are preserved bit for bit. Target darboux::io.
 #pragma once
 
 #include <algorithm>
@@ -26,25 +26,25 @@
 
 namespace darboux {
 
-/// What a file may do while it is read.
+/// Security limits for reading files.
 struct ReadOptions {
-  /// Whether a document may name files outside its folder, by ../ or a symbolic link. false: opening such a
-  /// file is an error.
+  /// Whether a document may refer to files outside its folder, by ../ or a symbolic link. If false, opening
+  /// such a file is an error.
   bool allow_outside = false;
-  /// Whether the child process that reads OBJ and FBX (by assimp) is confined: it can open no file, use no
-  /// network and start nothing. Needs Linux with seccomp on x86-64 or AArch64; elsewhere such a file is an
-  /// error unless this is false.
+  /// Whether to sandbox the child process that reads OBJ and FBX with assimp: it cannot open files, use the
+  /// network or start processes. Requires Linux with seccomp on x86-64 or AArch64; elsewhere such a file is
+  /// an error unless this is false.
   bool sandbox = true;
-  /// Bytes that the content of a glTF, COLLADA, PLY or image may take, decoded: vertices of all primitives,
-  /// triangles (128 bytes each, with what judging them takes), instances, morph targets, compressed streams,
-  /// texels. They are counted one by one, so that a file that asks for more is an error at once. Without: 512
-  /// MiB for files of less than 10 MB, which may ask for much more than they hold; for others 4 GiB, or 16
-  /// times the file where that is more.
+  /// Limit for the decoded content of a glTF, COLLADA, PLY or image file, in bytes: vertices of all
+  /// primitives, triangles (128 bytes each, including the memory for judging them), instances, morph targets,
+  /// compressed streams, texels. They are counted before allocation, so a file that exceeds the limit fails
+  /// immediately. Default: 512 MiB for files of less than 10 MB, since small files can declare huge content;
+  /// for others 4 GiB, or 16 times the file size if that is more.
   std::optional<std::uint64_t> max_memory = std::nullopt;
 };
 
-/// World matrices of the nodes that show a mesh, one per instance. Immutable: copies share the matrices, and
-/// so do the primitives of one mesh.
+/// World matrices of the nodes that reference a mesh, one per instance. Immutable: copies, and the primitives
+/// of one mesh, share the matrices.
 class Instances {
  public:
   Instances() = default;
@@ -73,78 +73,75 @@ struct Primitive {
   std::size_t mesh = 0;       ///< index of the mesh in the file
   std::size_t primitive = 0;  ///< index within the mesh
   std::string name;           ///< the mesh's name, may be empty
-  /// Which TEXCOORD set `data.uvs` holds; -1 when there is none. For glTF it is the set of the material's
-  /// first texture that reads the tangent frame, if the primitive has that set, else 0. The normal texture
-  /// comes first, then the others in the order of needs_tangents. For other formats it is the file's first
-  /// set.
+  /// The TEXCOORD set in `data.uvs`; -1 if there is none. For glTF it is the set of the material's first
+  /// texture that reads the tangent frame, if the primitive has that set, else 0. The normal texture comes
+  /// first, then the others in the order of needs_tangents. For other formats it is the file's first set.
   int texcoord = -1;
   /// Whether something in its material, or in one of its KHR_materials_variants, reads the tangent frame: a
   /// normalTexture, the clearcoatNormalTexture of KHR_materials_clearcoat, KHR_materials_anisotropy, the
   /// normal maps of MSFT_packing_normalRoughnessMetallic and MSFT_packing_occlusionRoughnessMetallic.
-  /// Empty if the format does not say, that is, if it is not glTF.
+  /// Empty if the format does not contain this information, that is, if it is not glTF.
   std::optional<bool> needs_tangents{};
-  /// In the mesh's own space; vertex i is a glTF's or PLY's vertex i. Normalised integers are read as the
-  /// numbers they stand for, NaN and infinities as they are; strips and fans become triangles in glTF's
-  /// winding.
+  /// In the local space of the mesh. For glTF and PLY, vertex i is vertex i of the file. Normalised integers
+  /// are dequantised; NaN and infinities are kept; strips and fans become triangles with glTF's winding.
   Mesh data;
-  /// World matrices of the nodes that show it, one per instance; empty when no node does.
+  /// World matrices of the nodes that reference it, one per instance; empty if none does.
   Instances instances;
   /// Its other uv sets, each with its number, where it has tangents and uvs: the tangents may follow one of
   /// them. A glTF's are TEXCOORD_0 to TEXCOORD_7.
   std::vector<std::pair<int, std::vector<Vec2<double>>>> other_uvs;
-  /// Whether the material says which set its tangents belong to. Where it does not, any set will do.
+  /// Whether the material determines the uv set of the tangents. If not, any set is accepted.
   bool names_uv_set = false;
   /// KHR_texture_transform of the texture that names the set: uv' = M uv + offset, M row by row, then the
   /// offset. Not applied to `data`.
   std::optional<std::array<double, 6>> texture_transform;
-  /// What w of its tangents means. COLLADA and FBX store binormals, which exporters have along v: raw.
+  /// The sign convention of w. raw for COLLADA and FBX, which store binormals that exporters write along v.
   SignConvention sign = SignConvention::gltf;
-  /// Indices at the end that are no whole triangle; they are left out.
+  /// Trailing indices that do not form a whole triangle; they are ignored.
   std::size_t leftover_indices = 0;
   /// The TEXCOORD set of the material's first texture that reads the tangent frame, if the mesh lacks that
   /// set.
   std::optional<std::uint64_t> missing_texcoord{};
-  /// How many morph targets it has, of a glTF; `data` is the mesh at weights of 0.
-  /// GltfDocument::morph_targets reads them.
+  /// Number of morph targets (glTF); `data` is the mesh with all weights 0. GltfDocument::morph_targets reads
+  /// them.
   std::size_t morph_targets = 0;
 };
 
-/// What a morph target of a primitive adds to its vertices at weight 1, one entry per vertex; empty where it
-/// adds nothing.
+/// The displacements that a morph target adds to the vertices of a primitive at weight 1, one entry per
+/// vertex. An attribute that the target does not change is empty.
 struct MorphTarget {
   std::vector<Vec3<double>> positions, normals;
   std::vector<Vec2<double>> uvs;  ///< of the set that Primitive::texcoord names
 };
 
-/// A piece of a file that was passed over.
+/// A piece of a file that was skipped.
 struct SkippedPrimitive {
   std::size_t mesh = 0, primitive = 0;
   std::string reason;  ///< e.g. "mode 1 (lines) has no triangles"
 };
 
-/// What a file holds. A valid glTF without meshes gives an empty one.
+/// The content of a file. Empty for a valid glTF file without meshes.
 struct Asset {
   std::vector<Primitive> primitives;
   std::vector<SkippedPrimitive> skipped;
 };
 
-/// Reads .glb, .gltf, .obj, .fbx, .dae, .ply or .stl, chosen by the content where it tells (the magic
-/// "glTF"), else by the extension. Units and up axes are not applied: positions are as stored, in the mesh's
-/// own space.
+/// Reads .glb, .gltf, .obj, .fbx, .dae, .ply or .stl. The format is detected by content if possible (the
+/// magic "glTF"), otherwise by the extension. Units and up axes are not applied: positions are as stored, in
+/// the mesh's own space.
 ///
 /// glTF 2.0: every componentType, interleaved and sparse accessors, normalised integers
 /// (KHR_mesh_quantization), buffers in the GLB, in files beside it (relative URIs) or in data URIs.
-/// EXT_meshopt_compression and KHR_draco_mesh_compression are undone when the file is loaded, whether there
-/// are uncompressed data too or not. Instances are the nodes of the default scene: the one named, else the
-/// first, else all trees of nodes. Morph targets and skins are not applied.
+/// EXT_meshopt_compression and KHR_draco_mesh_compression are decoded on loading, even if there are
+/// uncompressed data as well. Instances are the nodes of the default scene: the one named, else the first,
+/// else all trees of nodes. Morph targets and skins are not applied.
 ///
 /// PLY: ASCII or binary of either byte order, in double; normals and uvs under the names that read_points()
 /// knows, no tangents; polygons become fans about their first corner; faces with a list texcoord have a
 /// vertex per corner. Without faces the asset is empty, and `skipped` says so.
 ///
-/// STL: a vertex per corner, positions alone. The stored normals are not read. They are normals of facets:
-/// they repeat what the winding tells, are zero in many files, and as vertex normals would only say that the
-/// mesh has facets.
+/// STL: a vertex per corner, positions only. The stored normals are not read: they are facet normals, which
+/// only repeat the winding, and are zero in many files.
 ///
 /// COLLADA 1.4 and 1.5, in double: a vertex per corner; polygons become fans about their first corner, those
 /// with holes are skipped; tangents where there are normals, TEXTANGENT and TEXBINORMAL, w the side of
@@ -153,14 +150,14 @@ struct Asset {
 /// OBJ and FBX (of 2011 or later, binary or text) by assimp: a vertex per corner, in float, decimals within 2
 /// units in the last place (measured 1); quads are cut from a concave corner, larger polygons by their ears;
 /// v up as stored. FBX has tangents as COLLADA has; without bitangents in the file assimp takes cross(n, t),
-/// so that w = 1. Attributes that FBX maps in ways that assimp does not know are left out. Materials and
-/// textures are not opened. assimp runs in a process of its own, so that no file can crash or stop this one:
-/// it may take 1 GiB and 256 times the file, 20 seconds and 2 for each MB.
+/// so that w = 1. FBX attributes with mappings that assimp does not support are omitted. Materials and
+/// textures are not opened. assimp runs in a separate process, so that no file can crash or block this one.
+/// Its limits are 1 GiB plus 256 times the file size, and 20 seconds plus 2 per MB.
 ///
-/// Normals of OBJ and PLY, formats that promise no length, are made unit where they are not; zeros stay.
+/// Normals of OBJ and PLY, which need not be unit in these formats, are normalised; zeros are kept.
 ///
-/// Nothing is allocated by a count the file states before the count is checked against the bytes it has.
-/// \throws FileError naming the file, the place in it, what is expected there and what it has
+/// Counts stated in the file are checked against its size before memory is allocated.
+/// \throws FileError naming the file, the position in it, and what was expected and found there
 Asset read_asset(const std::string& path, const ReadOptions& options = {});
 
 /// The extensions of the files that read_asset() reads: ".glb".
@@ -168,11 +165,11 @@ std::span<const std::string_view> asset_extensions();
 
 struct GltfFile;  // the JSON document and its buffers: src/io/gltf_file.h
 
-/// A glTF or GLB file held as its JSON document and its buffers, to be rewritten with everything else
-/// preserved: only accessors, bufferViews, buffer lengths and the references of the rewritten primitives
-/// change. What EXT_meshopt_compression and KHR_draco_mesh_compression compress is decoded at once and
-/// written uncompressed. Values stay the same, doubles to the bit, and unknown properties, chunks and the
-/// order of keys are kept.
+/// A glTF or GLB file, represented by its JSON document and buffers. Edits preserve everything else: only
+/// accessors, bufferViews, buffer lengths and the references of edited primitives change. Data compressed
+/// with EXT_meshopt_compression or KHR_draco_mesh_compression are decoded on loading and written
+/// uncompressed. Values are preserved (doubles bit for bit), as are unknown properties, chunks and the order
+/// of keys.
 class GltfDocument {
  public:
   /// \throws FileError as read_asset does; errors in meshes and nodes are found by asset()
@@ -187,47 +184,46 @@ class GltfDocument {
   /// The file it was loaded from.
   const std::string& path() const;
 
-  /// The triangles in it, edits included. \throws FileError
+  /// The meshes of the document, including edits. \throws FileError
   Asset asset() const;
 
   /// The morph targets of a primitive that asset() gave. \throws FileError
   std::vector<MorphTarget> morph_targets(const Primitive& primitive) const;
 
-  /// Gives one primitive a TANGENT accessor (float VEC4, one per vertex), appended to the binary chunk; an
-  /// old one is left where it is, unreferenced by this primitive. Values are stored bit for bit and not
-  /// judged. \param deltas what each morph target adds to x, y and z: a TANGENT accessor (float VEC3) for
-  /// each; none at all: the targets are left as they are \throws MeshError when the primitive does not exist,
-  /// a count differs from POSITION's or that of deltas from the targets'
+  /// Adds a TANGENT accessor (float VEC4, one per vertex) to one primitive, appended to the binary chunk. An
+  /// existing accessor remains in the file, unreferenced by this primitive. Values are stored bit for bit,
+  /// without checks. \param deltas the change of x, y and z by each morph target, stored as one TANGENT
+  /// accessor (float VEC3) per target; empty: the targets are not changed \throws MeshError when the
+  /// primitive does not exist, a count differs from POSITION's or that of deltas from the targets'
   void set_tangents(std::size_t mesh, std::size_t primitive, std::span<const Vec4<float>> tangents,
                     std::span<const std::vector<Vec3<float>>> deltas = {});
 
-  /// Gives one primitive new vertices: every attribute, morph targets included, is copied so that new vertex
-  /// i is old vertex source[i], bit for bit, and the primitive becomes the triangle list `indices`. min and
-  /// max are computed anew where they stood. Other primitives keep the old accessors, shared ones too.
+  /// Replaces the vertices of one primitive: every attribute, including morph targets, is copied bit for bit
+  /// so that new vertex i is old vertex source[i], and the primitive becomes the triangle list `indices`. min
+  /// and max are recomputed where present. Other primitives keep the old accessors, including shared ones.
   /// \param without_tangents TANGENT is not copied, and does not fit until set_tangents() replaces it, the
   /// morph targets' too \throws MeshError when the primitive does not exist, source names no old vertex, or
   /// indices no new one \throws FileError when an attribute cannot be read
   void remap_vertices(std::size_t mesh, std::size_t primitive, std::span<const std::uint32_t> source,
                       std::span<const std::uint32_t> indices, bool without_tangents = false);
 
-  /// Shows one primitive in these colours and nothing else: gives it a COLOR_0 accessor (float VEC3, linear
-  /// RGB, one per vertex), appended to the binary chunk, and a white material that is not lit
-  /// (KHR_materials_unlit), one for the whole document. Its old colours and material stay where they are;
-  /// KHR_materials_variants, which would hide the colours, goes. \param extras_json a JSON object whose keys
-  /// the mesh's extras get, unless they are something else than an object \throws MeshError when the
-  /// primitive does not exist or the count differs from POSITION's \throws ParameterError when extras_json is
-  /// no object
+  /// Makes one primitive show only the given colours: adds a COLOR_0 accessor (float VEC3, linear RGB, one
+  /// per vertex), appended to the binary chunk, and a white unlit material (KHR_materials_unlit), one for the
+  /// whole document. Its old colours and material remain in the file; KHR_materials_variants, which would
+  /// hide the colours, is removed. \param extras_json a JSON object whose keys the mesh's extras get, unless
+  /// they are something else than an object \throws MeshError when the primitive does not exist or the count
+  /// differs from POSITION's \throws ParameterError when extras_json is no object
   void set_colours(std::size_t mesh, std::size_t primitive, std::span<const Vec3<float>> colours,
                    const std::string& extras_json);
 
-  /// Writes a self-contained GLB, whole or not at all. The bytes of buffer 0 begin the binary chunk, all that
-  /// was added follows. Files that other buffers and images name by relative URI are embedded as data URIs,
-  /// so that no bufferView moves; an image that cannot be read, or whose kind is unknown, keeps its URI.
-  /// \returns why, a line for each such image
+  /// Writes a self-contained GLB, completely or not at all. The binary chunk begins with the bytes of buffer
+  /// 0, followed by added data. Other buffers and images that refer to files by relative URI are embedded as
+  /// data URIs, so that no bufferView moves. An image that cannot be read, or is of an unknown kind, keeps
+  /// its URI. \returns the reason for each such image, one line each
   /// \throws FileError, also for an image that ReadOptions::allow_outside would have to permit
   std::vector<std::string> save_glb(const std::string& path) const;
 
-  /// What it holds, for darboux's own functions.
+  /// The document and its buffers, for internal use.
   const GltfFile& file() const { return *file_; }
   GltfFile& file() { return *file_; }
 
@@ -236,12 +232,12 @@ class GltfDocument {
   std::unique_ptr<GltfFile> file_;
 };
 
-/// Writes one mesh, with one node that shows it, as a GLB: float32 attributes, 16-bit indices where they
-/// suffice, else 32-bit, POSITION with min and max. Doubles are rounded to the nearest float; normals, uvs
-/// and tangents are stored as they come, NaN included, and not renormalised. \param name the mesh's name;
-/// bytes that are not UTF-8 become U+FFFD \param extras_json a JSON object stored as the mesh's extras, or
-/// empty \throws FileError when it cannot be written \throws MeshError when the mesh is inconsistent or has
-/// no triangles, or a position is not finite as a float \throws ParameterError when extras_json is not a JSON
+/// Writes one mesh and one node that references it as a GLB: float32 attributes; 16-bit indices if they
+/// suffice, else 32-bit; POSITION with min and max. Doubles are rounded to the nearest float. Normals, uvs
+/// and tangents are stored unchanged, including NaN, and not renormalised. \param name the mesh's name; bytes
+/// that are not UTF-8 become U+FFFD \param extras_json a JSON object stored as the mesh's extras, or empty
+/// \throws FileError when it cannot be written \throws MeshError when the mesh is inconsistent or has no
+/// triangles, or a position is not finite as a float \throws ParameterError when extras_json is not a JSON
 /// object
 void write_glb(const std::string& path, const Mesh& mesh, const std::string& name,
                const std::string& extras_json = {});
@@ -249,23 +245,24 @@ void write_glb(const std::string& path, const Mesh& mesh, const std::string& nam
 /// Points read from a file.
 struct PointFile {
   PointCloud cloud;  ///< every point or vertex of the file, in its order
-  /// For each vertex of a mesh, the first vertex at the same place (within 1e-6 of the diagonal), which may
-  /// be itself; `unused` where no triangle uses it. Empty where there are no triangles.
+  /// For each vertex of a mesh, the first vertex at the same position (within 1e-6 of the diagonal), which
+  /// may be itself; `unused` if no triangle uses it. Empty if there are no triangles.
   std::vector<std::uint32_t> place;
   static constexpr std::uint32_t unused = 0xffffffff;
-  /// Where the first position that is not finite stands: "line 7", "vertex 3" (from 0). Empty where all are
+  /// The location of the first position that is not finite: "line 7", "vertex 3" (from 0). Empty if all are
   /// finite.
   std::string first_not_finite;
-  std::string note;  ///< one line about columns that were passed over; mostly empty
+  std::string note;  ///< one line about ignored columns; usually empty
 };
 
-/// What was measured: one point per place, the first. Vertices at the same place are one measurement, split
-/// for its attributes.
+/// The distinct measurements: the first point at each position. Vertices at the same position are one
+/// measurement that was split for its attributes.
 PointCloud distinct_points(const PointFile& file);
 
-/// Reads sampled points, in the order of the file, by its extension:
-///   .xyz .txt .csv .tsv .asc .pts  a point per line, columns between semicolons, else commas, else blanks or tabs (the
-///                        first line decides), in quotes or not. A header, which begins with a name or an
+/// Reads sampled points, in the order of the file. The extension determines the format:
+///   .xyz .txt .csv .tsv  a point per line, columns between semicolons, else commas, else blanks or tabs (the
+///   .asc .pts            first line decides), in quotes or not. A first line of one whole number is how many
+///                        points follow. A header, which begins with a name or an
 ///                        empty field, names them in any order and case: x y z, nx ny nz, u v; columns of
 ///                        other names, and groups that are not complete, are passed over. It may stand behind
 ///                        // or #, with as many names as there are columns. Without a header: 3 columns are
@@ -279,12 +276,12 @@ PointCloud distinct_points(const PointFile& file);
 ///   .stl  the corners, ASCII or binary, without the triangles' normals
 ///   .glb .gltf  the vertices, one primitive after the other, in the mesh's space: nodes are not applied;
 ///               normals and uvs where every primitive has them
-/// Other names of columns: position_x ..., normal_x ..., s t, texture_u texture_v. Empty lines and those that
-/// begin with # are passed over. NaN and infinities are read as they are.
+/// Other names of columns: position_x ..., normal_x ..., s t, texture_u texture_v. Empty lines and lines that
+/// begin with # are skipped. NaN and infinities are kept.
 ///
 /// Numbers are read in double, correctly rounded (glTF: float, as stored). Tables, PLY and PCD are read in
 /// pieces: memory is at most three times the cloud. A count the file states is checked against what it holds.
-/// \param progress called now and then with the share that is read
+/// \param progress called from time to time with the fraction read
 /// \throws FileError naming the file, its line or vertex, what is expected there and what it has; at least
 /// one point is expected
 PointFile read_points(const std::string& path, const std::function<void(double)>& progress = {},
@@ -293,15 +290,15 @@ PointFile read_points(const std::string& path, const std::function<void(double)>
 /// Whether a path names standard output: "-", /dev/stdout, /dev/fd/1 or a link to one of them.
 bool is_standard_output(const std::string& path);
 
-/// A file that is written piece by piece, and appears whole or not at all. It has no name until commit()
-/// gives it one, so an old file stays until the new one is complete. Without commit() nothing is left. If the
-/// file system has no nameless files, or cannot name them later, the content is in a hidden file beside the
-/// target until commit() (.darboux-*.tmp); a process that is killed leaves that file behind.
+/// A file that is written piece by piece, but appears completely or not at all. It has no name until
+/// commit(), so an existing file stays until the new one is complete. Without commit() nothing remains. If
+/// the file system does not support unnamed files (O_TMPFILE), the content is in a hidden file next to the
+/// target until commit() (.darboux-*.tmp), which remains if the process is killed.
 ///
-/// A file that exists is replaced: its mode is kept, and its owner and group where that is permitted; other
-/// hard links keep the old content; a symbolic link stays, and what it names is replaced or made. A file that
-/// is read-only is refused. What names a descriptor of this process ("-" is standard output, /dev/stdout,
-/// /dev/fd/N), a device or a pipe is written to directly, from where it stands.
+/// An existing file is replaced: its mode is kept, and its owner and group where permitted; other hard links
+/// keep the old content; a symbolic link stays, and its target is replaced or created. A read-only file is an
+/// error. A path that names a descriptor of this process ("-" is standard output, /dev/stdout, /dev/fd/N), a
+/// device or a pipe is written to directly, at its current position.
 ///
 /// The constructor, write() and commit() throw FileError: the path is a folder, its folder is missing or not
 /// writable, the file is read-only, the disk is full.
@@ -313,7 +310,7 @@ class OutputFile {
   ~OutputFile();
   void write(std::string_view content);
   void commit();
-  /// Whether the path names a descriptor of this process that is an open regular file. Others that read this
+  /// Whether the path names a descriptor of this process that is an open regular file. Other readers of this
   /// file see each write.
   bool is_written_in_place() const;
 
@@ -324,7 +321,7 @@ class OutputFile {
   void copy_to_temporary();
   void rename_temporary();
   std::string path_;       // as messages name it
-  std::string target_;     // what is replaced; empty where descriptor_ is the target itself
+  std::string target_;     // the file to replace; empty if descriptor_ is the target itself
   std::string temporary_;  // the hidden name, while there is one
   std::string buffer_;
   int descriptor_ = -1;
@@ -333,7 +330,7 @@ class OutputFile {
 /// Writes a whole file at once, as OutputFile does. \throws FileError
 void write_file(const std::string& path, std::string_view content);
 
-/// A surface from its formula in a text file, over u and v in [0, 1], both linear:
+/// Reads a surface from its formula in a text file, over u and v in [0, 1], both linear:
 ///
 ///     # the catenoid
 ///     a = 2                          # radius of the neck; length
@@ -343,20 +340,20 @@ void write_file(const std::string& path, std::string_view content);
 ///     z = a*t
 ///
 /// One definition per line, in any order; # begins a comment. x, y and z are the position. A name whose
-/// expression has numbers and pi only is a parameter (its comment says what it means), its value a double;
-/// any other is an abbreviation. Operators, strongest first: ^ (from the right), + and - as signs, * and /, +
-/// and -, comparisons, &&, ||, condition ? a : b. Functions: sin cos tan asin acos atan atan2(y, x), sinh
-/// cosh tanh asinh acosh atanh, sqrt exp, log and ln (natural), pow(a, b), abs sign, min(a, b) max(a, b), and
-/// sin_turns(t), cos_turns(t): sine and cosine of 2πt with exact range reduction, so that quarter turns are
-/// exact and u + 1 gives the bits of u.
+/// expression contains only numbers and pi is a parameter, with a double as value and its comment as
+/// description; any other name is an abbreviation. Operators, strongest first: ^ (from the right), + and - as
+/// signs, * and /, + and -, comparisons, &&, ||, condition ? a : b. Functions: sin cos tan asin acos atan
+/// atan2(y, x), sinh cosh tanh asinh acosh atanh, sqrt exp, log and ln (natural), pow(a, b), abs sign, min(a,
+/// b) max(a, b), and sin_turns(t), cos_turns(t): sine and cosine of 2πt with exact range reduction, so that
+/// quarter turns are exact and u + 1 gives the bits of u.
 ///
-/// The file is parsed once. Every scalar runs the same instructions, so the partials come from nested dual
-/// numbers, exact to the formula's own rounding, and every law of testing.h holds or is broken as for a type
-/// in C++. pi has the digits of the scalar; a number in the text is the nearest double. A power with a
-/// constant whole exponent up to 1024 is a product, so it takes negative bases; other powers take positive
-/// bases. Where the formula has no value (log of a negative number, 0/0) it gives NaN or infinity, status
-/// `no_frame` and `overflow`, and `check` says so. Nothing declares where the chart is singular or meets
-/// itself: seams are edges, and poles are found only where a partial is exactly zero.
+/// The file is parsed once, and the expression can be evaluated for any scalar type. So the partials come
+/// from nested dual numbers, accurate to rounding, and the laws of testing.h apply as to a C++ type. pi has
+/// the precision of the scalar; a number in the text is the nearest double. A power with a constant integer
+/// exponent up to 1024 is computed as a product, so it accepts negative bases; other powers require positive
+/// bases. Where the formula is undefined (log of a negative number, 0/0), it gives NaN or infinity with
+/// status `no_frame` and `overflow`, and `check` reports it. Singular points and self-intersections cannot be
+/// declared: seams are edges, and poles are detected only where a partial is exactly zero.
 ///
 /// \param parameters other values for some of the parameters
 /// \throws FileError naming file and line: no definition, a name twice or reserved, x, y or z missing, an
@@ -369,17 +366,16 @@ AnySurface read_formula_surface(const std::string& path,
 /// The kinds that read_surface_file() knows.
 const std::vector<std::string_view>& surface_file_kinds();
 
-/// A surface of one of these kinds from a JSON object; other keys are refused.
+/// Reads a surface of one of these kinds from a JSON object. Unknown keys are an error.
 ///   bezier-patch            points, weights, degree_u, degree_v
 ///   bspline-patch           points, weights, degree_u, degree_v, knots_u, knots_v
 ///   surface-of-revolution   points, weights, degree, knots: the profile
 /// A patch's points are rows [[[x, y, z], ...], ...]: row i holds P_i0, P_i1, ..., so u runs from row to row
 /// and v along each. A profile's points are [[ρ, z], ...]. weights: rows of positive numbers as the points,
-/// all 1 when missing. Degrees are 1 to 15. bezier-patch's follow from the points, and must agree where they
-/// are given; a profile's is 1 (a polyline) when missing. knots: as many as points + degree + 1, not
-/// decreasing, none more than degree + 1 times; when missing, clamped and equally spaced. Any knots are
-/// mapped to [0, 1]. \throws FileError naming file, key and what is expected there \throws ParameterError for
-/// another kind
+/// all 1 when missing. Degrees are 1 to 15. Those of bezier-patch follow from the points, and must agree if
+/// given; that of a profile is 1 (a polyline) by default. knots: points + degree + 1 numbers, non-decreasing,
+/// none more than degree + 1 times; by default clamped and equally spaced. Knots are mapped to [0, 1].
+/// \throws FileError naming file, key and what is expected there \throws ParameterError for another kind
 AnySurface read_surface_file(std::string_view kind, const std::string& path);
 
 }  // namespace darboux

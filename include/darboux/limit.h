@@ -1,5 +1,5 @@
 /// \file limit.h
-/// The limit of a frame where the partials give none: at poles, collapsed edges, cusps.
+/// The limit of a frame at points where the partials give none: poles, collapsed edges, cusps.
 #pragma once
 
 #include <algorithm>
@@ -17,18 +17,18 @@ namespace darboux {
 
 namespace detail {
 
-// A partial near a point along one coordinate: the sum of the k-th vector times h^k. What is not known is
-// zero.
+// The Taylor series of a partial along one coordinate: the sum of the k-th vector times h^k. Unknown
+// coefficients are zero.
 template <class S>
 using Taylor = std::array<Vec3<S>, 4>;
 
-// Whether a sum of terms of this size is more than what rounding leaves of them.
+// Whether a sum exceeds the rounding error of terms of this size.
 template <std::floating_point S>
 bool above_rounding(const Vec3<S>& sum, S size) {
   return norm(sum) > S(32) * std::numeric_limits<S>::epsilon() * size;
 }
 
-// A frame in the limit h -> 0, h of one sign, with the series of the partials that it comes from.
+// A frame in the one-sided limit h -> 0, with the series of the partials from which it is computed.
 template <std::floating_point S>
 struct Limit {
   Taylor<S> dpdu{}, dpdv{};
@@ -36,7 +36,7 @@ struct Limit {
   Frame<S> frame = no_frame<S>();
 
   bool found() const { return !has(frame.status, Status::no_frame); }
-  // The direction to which x dpdu + y dpdv tends, as a unit vector; zero where the series do not tell.
+  // The unit vector to which the direction of x dpdu + y dpdv tends; zero if the series do not determine it.
   Vec3<S> direction(S x, S y) const {
     for (std::size_t k = 0; k < dpdu.size(); ++k) {
       const Vec3<S> sum = x * dpdu[k] + y * dpdv[k];
@@ -54,12 +54,12 @@ std::size_t first_that_is_not_zero(const Taylor<S>& a) {
   return k;
 }
 
-// The limit of series of which the first `terms` are known. With a_k and b_l the first coefficients that are
-// not zero, t is along a_k and n along the first coefficient of dpdu × dpdv that is not zero: a_k × b_l,
-// where these are parallel the sum of the two crosses of the next order, and so on as far as the series
-// reach. Odd powers change their sign with that of h: where that turns the frame over, an inner point has the
-// bit `crease`. \param why what is known to vanish at h = 0, whatever rounding left of it \param inner
-// whether h may have both signs
+// The limit of series of which the first `terms` are known. Let a_k and b_l be the first non-zero
+// coefficients of dpdu and dpdv. t is along a_k, and n along the first non-zero coefficient of dpdu × dpdv:
+// a_k × b_l; if these are parallel, the sum of the two cross products of the next order; and so on as far as
+// the series reach. Odd powers change sign with h. If that flips the frame, an interior point has the bit
+// `crease`. \param why which partials are known to vanish at h = 0, whatever rounding left of them \param
+// inner whether h may have both signs
 template <std::floating_point S>
 void take_limit(Limit<S>& limit, std::size_t terms, Status why, bool inner) {
   if (has(why, Status::dpdu_zero)) limit.dpdu[0] = {};
@@ -91,7 +91,8 @@ void take_limit(Limit<S>& limit, std::size_t terms, Status why, bool inner) {
   }
 }
 
-// The partials' series along u (along = 0) or v (1), by three nested dual numbers in that coordinate.
+// The Taylor series of the partials along u (along = 0) or v (1), from triply nested dual numbers in that
+// coordinate.
 template <int along, class S, class X, class PU, class PV>
 std::pair<Taylor<S>, Taylor<S>> series_of_partials(const X& surface, const PU& u, const PV& v) {
   using D3 = ThreeTimesDual<S>;
@@ -111,8 +112,8 @@ std::pair<Taylor<S>, Taylor<S>> series_of_partials(const X& surface, const PU& u
   return {coefficients(j.dpdu), coefficients(j.dpdv)};
 }
 
-// The limit along one coordinate, from above, at the upper end from below: by the jet's second partials, and
-// where they do not tell, by third-order series.
+// The limit along one coordinate, from above; from below at the upper end. Uses the second partials of the
+// jet and, if they do not determine it, third-order series.
 template <int along, std::floating_point S, class X, class PU, class PV>
 Limit<S> limit_along(const X& surface, const Jet2<S>& j, Status why, const PU& u, const PV& v) {
   const bool inner = along == 0 ? within<X::info.u>(u) : within<X::info.v>(v);
@@ -132,10 +133,10 @@ Limit<S> limit_along(const X& surface, const Jet2<S>& j, Status why, const PU& u
   return result;
 }
 
-// The limit where the partials give no frame: along v at the given u; if only dpdv vanishes, along u at the
-// given v. If that limit does not exist (a whole line of such points leads to this one, or the series are too
-// short), it is the limit along the other coordinate. If both partials vanish and the two limits differ,
-// there is none. If the partials are parallel and the limits differ, the status is `crease`.
+// The limit at a point where the partials give no frame: along v at the given u; if only dpdv vanishes, along
+// u at the given v. If that limit does not exist (a whole line of singular points passes through this one, or
+// the series are too short), it is the limit along the other coordinate. If both partials vanish and the two
+// limits differ, there is none. If the partials are parallel and the limits differ, the status is `crease`.
 template <std::floating_point S, class X, class PU, class PV>
 Limit<S> limit_at(const X& surface, const Jet2<S>& j, Status why, const PU& u, const PV& v) {
   const bool both = has(why, Status::dpdu_zero) && has(why, Status::dpdv_zero);

@@ -1,6 +1,6 @@
 /// \file local_jets.h
-/// Normals, curvatures and partial derivatives of a surface of which only points are known: polynomials
-/// fitted to the neighbours of a point, each with its error. The method and its laws:
+/// Estimates normals, curvatures and partial derivatives of a surface from points alone, with error
+/// estimates, by fitting polynomials to the neighbours of a point. Method and derivations:
 /// docs/theory/local-jets.md.
 #pragma once
 
@@ -21,38 +21,39 @@ constexpr std::size_t jet_coefficients(int degree) {
 
 struct JetOptions {
   int degree = 3;  ///< of the polynomial, 2 to 4
-  /// One weight per neighbour, proportional to 1/variance. Empty: all weigh the same.
+  /// One weight per neighbour, proportional to 1/variance. Empty: equal weights.
   std::span<const double> weights{};
-  /// The side on which n should lie. Zero, or perpendicular to n: the largest component of n (the first of
-  /// equals) is positive.
+  /// n is oriented so that n · side > 0. If side is zero or perpendicular to n, the largest component of n
+  /// (the first of equals) is positive.
   Vec3<double> side{};
   bool u_periodic = false, v_periodic = false;  ///< with period 1: uvs are then taken nearest to the query's
 };
 
-/// The surface at one point, from its neighbours. An `_error` is a standard error: the root of the expected
-/// square of the error from noise and from the polynomial's truncation together. Twice that covers 95 % or
-/// more wherever noise dominates or the neighbours lie within an eighth of the smallest radius of curvature,
-/// 88 % or more within three eighths. It is infinite where the neighbours determine a jet but not its error:
-/// they are fewer than jet_coefficients(degree + 1) + 3, or lie on a curve of degree + 1; NaN where there is
-/// no jet.
+/// The surface at one point, from its neighbours. Members `..._error` are standard errors: the root of the
+/// expected squared error, from noise and truncation together. Twice the standard error covers at least 95 %
+/// of the cases if noise dominates or the neighbours lie within an eighth of the smallest radius of
+/// curvature, and at least 88 % within three eighths. It is infinite if the neighbours determine a jet but
+/// not its error: if they are fewer than jet_coefficients(degree + 1) + 3, or lie on an algebraic curve of
+/// degree + 1. It is NaN if there is no jet.
 struct LocalJet {
   Vec3<double>
       position;    ///< on the fitted surface, above or below the query along the neighbours' plane normal
   Vec3<double> n;  ///< unit
   Curvature<double>
-      curvature;            ///< with respect to n, 1/length; status umbilic only where κ1 = κ2 to rounding
-  double normal_error = 0;  ///< radians
+      curvature;  ///< with respect to n, 1/length; status umbilic only if κ1 = κ2 up to rounding error
+  double normal_error = 0;         ///< radians
   double principal_error[2] = {};  ///< of κ1 and κ2, 1/length
   double direction_error = 0;      ///< of the principal directions, radians; infinite where κ1 = κ2
   /// ||A||_F ||A⁺||_F of the system matrix A in coordinates scaled by the neighbourhood's size: 1 to N
   /// times its condition number, N = jet_coefficients(degree). A rotation does not change it.
   double condition = 0;
   double residual_rms =
-      0;  ///< of the neighbours' heights over the fitted polynomial, weighted, in units of the points
+      0;  ///< weighted rms of the heights above the fitted polynomial, in the units of the points
   Status status = Status::regular;
 };
 
-/// P(u, v) at one point, from its neighbours. Errors as in LocalJet, of vectors the length of their error.
+/// P(u, v) at one point, from its neighbours. Errors as in LocalJet; for vectors, the length of the error
+/// vector.
 struct UvJet {
   Jet2<double> jet;
   Frame<double> frame;                     ///< of the jet, with its status
@@ -62,33 +63,34 @@ struct UvJet {
   double condition = 0, residual_rms = 0;  ///< as in LocalJet; the residuals are distances
 };
 
-/// Fits z = Σ c_ij x^i y^j, i + j <= degree, by weighted least squares (Householder QR) to the neighbours'
-/// heights z over their plane of least squares, with the origin at `at`, and takes normal and curvatures from
-/// it [Cazals2005]. With neighbours within h the normal errs by O(h^d) and the curvatures by O(h^(d - 1)), d
-/// the degree. Exact on graphs of such polynomials over their neighbours' plane. Neighbours that determine no
-/// polynomial (too few, coincident, collinear, on one curve of that degree: condition above 1e12) give NaN
-/// with the status no_frame, NaN or infinite ones non_finite_input beside it. Cost: linear in the neighbours;
-/// about 2, 3 and 5 µs for 20, 30 and 42 of them and degree 2, 3, 4. \throws ParameterError for a degree
-/// outside 2 to 4, and for weights that are not positive and finite or not one per neighbour
+/// Fits z = Σ c_ij x^i y^j, i + j <= degree, by weighted least squares (Householder QR) to the heights z of
+/// the neighbours above their least-squares plane, with the origin at `at`, and computes normal and
+/// curvatures from it [Cazals2005]. With neighbours within a distance h, the error of the normal is O(h^d)
+/// and that of the curvatures O(h^(d - 1)), d the degree. Exact for graphs of such polynomials over the
+/// neighbours' plane. If the neighbours determine no polynomial (too few, coincident, collinear, or on one
+/// algebraic curve of that degree: condition above 1e12), the result is NaN with the status no_frame; for NaN
+/// or infinite neighbours also non_finite_input. Cost: linear in the neighbours; about 2, 3 and 5 µs for 20,
+/// 30 and 42 of them and degree 2, 3, 4. \throws ParameterError for a degree outside 2 to 4, and for weights
+/// that are not positive and finite or not one per neighbour
 LocalJet local_jet(std::span<const Vec3<double>> neighbours, const Vec3<double>& at,
                    const JetOptions& options = {});
 
-/// Fits P(u, v), a polynomial in u - at.x and v - at.y with values in space, likewise: dpdu and dpdv err by
-/// O(h^d), second partials by O(h^(d - 1)). No plane, normal or side is needed: neither the winding nor the
-/// mirroring of the uvs matters. At a pole or seam of the chart the uvs are no smooth coordinates, and the
-/// errors say so. \throws ParameterError as local_jet, and unless there is one uv per position
+/// Fits P(u, v), a vector-valued polynomial in u - at.x and v - at.y, likewise. Errors: O(h^d) for dpdu and
+/// dpdv, O(h^(d - 1)) for second partials. No plane, normal or side is needed; winding and mirroring of the
+/// uvs do not matter. At a pole or seam of the chart the uvs are not smooth coordinates, and the error
+/// estimates are large. \throws ParameterError as local_jet, and unless there is one uv per position
 UvJet uv_jet(std::span<const Vec2<double>> uvs, std::span<const Vec3<double>> positions,
              const Vec2<double>& at, const JetOptions& options = {});
 
 struct CloudJetOptions {
   int degree = 3;  ///< 2 to 4
   std::size_t neighbours =
-      0;  ///< nearest points, the point itself among them; 0: 2 jet_coefficients(degree + 1)
+      0;  ///< nearest points, including the point itself; 0: 2 jet_coefficients(degree + 1)
   bool u_periodic = false, v_periodic = false;
   int threads = 1;  ///< 0: as many as the machine has; results do not depend on it
 };
 
-/// local_jet at each point of a cloud, from its nearest finite points, on the side of its stored normal if it
+/// local_jet() at each point of a cloud, from its nearest finite points, oriented by its stored normal if it
 /// has one. \throws ParameterError for a degree outside 2 to 4, fewer neighbours than coefficients, or
 /// threads < 0; MeshError for attributes of another length than positions
 std::vector<LocalJet> local_jets(const PointCloud& cloud, const CloudJetOptions& options = {});

@@ -1,5 +1,5 @@
 /// \file map_cost.h
-/// What a normal map of a surface would leave of the error of a coarse mesh.
+/// Measures the shading error of a coarse mesh of a surface, without and with a normal map.
 #pragma once
 
 #include <array>
@@ -20,13 +20,14 @@ struct MapCostOptions {
   int threads = 1;         ///< 0: all; the results do not depend on it
 };
 
-/// Angles to the surface's normal, in degrees, at points inside triangles. Each stage has all before it.
+/// Angles to the normal of the surface, in degrees, at points inside triangles. Each stage includes the
+/// errors of the previous ones.
 struct MapCostStages {
   std::size_t samples = 0;
-  Statistics triangle_deg;  ///< the geometry's error: the triangle's own normal
-  Statistics normal_deg;    ///< the interpolated normal's error: what is seen without a map
-  /// The error of an ideal map, without texels and codes, made for MikkTSpace's tangents and read in the
-  /// frame of the stored ones; near 0 where these are MikkTSpace's, or where none are stored.
+  Statistics triangle_deg;  ///< error of the geometry: the normal of the triangle
+  Statistics normal_deg;    ///< error of the interpolated normal: the shading without a map
+  /// The error of an ideal map, without texels and codes, baked for MikkTSpace's tangents and decoded with
+  /// the stored ones; near 0 if these are MikkTSpace's, or if none are stored.
   Statistics frame_deg;
   Statistics texel_deg;    ///< the error of a map of that size in floats, read bilinearly
   Statistics codes16_deg;  ///< the error of the same map in 16 bits
@@ -41,8 +42,8 @@ struct MapCost {
   std::size_t conflicts = 0;
 };
 
-/// Bakes the surface's normals for the mesh three times, as bake_normal_map() does with
-/// MapDecode::mikktspace, and looks at them as a renderer would. \param piece with normals and uvs; its
+/// Bakes the normals of the surface for the mesh at three depths, as bake_normal_map() does with
+/// MapDecode::mikktspace, and evaluates them as a renderer would. \param piece with normals and uvs; its
 /// tangents are the stored ones \throws what bake_normal_map() throws
 MapCost normal_map_cost(const PlacedSurface& surface, const MapPiece& piece,
                         const MapCostOptions& options = {});

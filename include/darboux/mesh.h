@@ -1,5 +1,5 @@
 /// \file mesh.h
-/// A triangle mesh as files carry it. It knows no parametric surface.
+/// A triangle mesh as stored in files. Independent of any parametric surface.
 #pragma once
 
 #include <array>
@@ -11,19 +11,19 @@
 
 namespace darboux {
 
-/// Three vertex indices. The winding order p0, p1, p2 is the file's.
+/// Three vertex indices, in the winding order of the file.
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// Rounding of quantised attributes: the true value of a component lies within this of the stored one, in the
-/// attribute's own units. 0: rounded to single precision only.
+/// Half the quantisation step of each attribute, in the units of that attribute: the true value of a
+/// component differs from the stored one by at most this much. 0: rounded to single precision only.
 struct HalfSteps {
   double position = 0, normal = 0, uv = 0, tangent = 0;
 };
 
-/// Vertices with their attributes, and triangles over them. An attribute has one entry per vertex, or none
-/// where the mesh lacks it. Attributes are double, so that every float of a file keeps its value.
+/// Vertices with their attributes, and triangles over them. An attribute has one entry per vertex, or is
+/// empty if the mesh lacks it. Attributes are stored as double, so every float of a file keeps its value.
 struct Mesh {
-  std::vector<Vec3<double>> positions;  ///< in the mesh's own space and unit of length
+  std::vector<Vec3<double>> positions;  ///< in the local space and unit of length of the mesh
   std::vector<Vec3<double>> normals;    ///< as stored; should be unit
   std::vector<Vec2<double>> uvs;        ///< as stored, unflipped
   std::vector<Vec4<double>> tangents;   ///< x, y, z and the sign w, as stored; should be unit and ±1
@@ -33,13 +33,13 @@ struct Mesh {
   std::size_t corners() const { return 3 * triangles.size(); }
 };
 
-/// Checks that each attribute is empty or as long as positions, that every index names a vertex, and that 32
-/// bits can number the corners. \param name what the message calls the mesh \throws MeshError naming the
-/// first that does not hold
+/// Checks that each attribute is empty or as long as positions, that every index refers to a vertex, and that
+/// the number of corners fits in 32 bits. \param name the mesh's name in error messages \throws MeshError
+/// naming the first condition that fails
 void check_consistent(const Mesh& mesh, const std::string& name);
 
-/// Checks that positions, normals and uvs (not tangents) are finite. \param name what the message calls the
-/// mesh \throws MeshError naming the first that is NaN or infinite
+/// Checks that positions, normals and uvs (not tangents) are finite. \param name the mesh's name in error
+/// messages \throws MeshError naming the first value that is NaN or infinite
 void check_finite(const Mesh& mesh, const std::string& name);
 
 }  // namespace darboux

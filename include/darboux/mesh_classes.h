@@ -1,5 +1,6 @@
 /// \file mesh_classes.h
-/// Which part of a mesh a vertex belongs to: errors at poles, seams and in the interior are assessed apart.
+/// Classifies the vertices of a mesh, so that errors at poles, at seams and in the interior are assessed
+/// separately.
 #pragma once
 
 #include <array>
@@ -11,11 +12,11 @@
 
 namespace darboux {
 
-/// In the order in which a vertex is assigned: it belongs to the first that fits.
+/// The class of a vertex: the first that applies, in this order.
 enum class VertexClass : std::uint8_t {
-  pole,       ///< at a singular point of the chart
-  seam,       ///< with the same position and normal there is another uv, or uv area of the other sign; or uv
-              ///< islands meet, and no other class fits
+  pole,  ///< at a singular point of the chart
+  seam,  ///< another vertex has the same position and normal but another uv, or uv area of the other sign; or
+         ///< uv islands meet and no other class applies
   crease,     ///< another vertex at its position has another normal
   pole_ring,  ///< shares a triangle with a pole
   border,     ///< on an edge with one triangle
@@ -24,21 +25,22 @@ enum class VertexClass : std::uint8_t {
 inline constexpr std::array<std::string_view, 6> vertex_class_names{"pole",      "seam",   "crease",
                                                                     "pole_ring", "border", "interior"};
 
-/// Classes and uv islands of a mesh. Positions, uvs and normals count as the same when they differ by less
-/// than 1e-6 of their range; edges and rings are those of the mesh welded by position.
+/// Classes and uv islands of a mesh. Positions, uvs and normals count as equal if they differ by less than
+/// 1e-6 of their range. Edges and rings are those of the mesh after welding by position.
 struct MeshClasses {
   std::vector<VertexClass> of_vertex;
-  /// An island is a set of triangles joined over edges that share position and uv, all with one sign of uv
-  /// area. The island of each triangle, or -1 for a triangle without uv area.
+  /// The uv island of each triangle, or -1 for a triangle without uv area. An island is a set of triangles
+  /// connected through edges with equal positions and uvs, all with uv area of one sign.
   std::vector<std::int32_t> island_of_triangle;
   std::int32_t islands = 0;
 };
 
-/// Cost: linear in vertices and triangles, but for n log n in the triangles at one place. 10^6 triangles take
-/// 0.1 s and 24 bytes each where they share vertices, 0.25 s and 57 bytes where each has its own at shared
-/// places. Places with several uvs add 0.2 µs and 40 bytes per vertex.
-/// \param is_pole for each vertex whether it lies at a singular point of the chart; empty: none does
-/// \throws MeshError when the mesh is inconsistent, or is_pole has another length
+/// Classifies all vertices. Cost: linear in vertices and triangles, except n log n in the triangles that meet
+/// at one position. 10^6 triangles take 0.1 s and 24 bytes each if they share vertices, 0.25 s and 57 bytes
+/// each if every triangle has its own vertices at shared positions. Positions with several uvs add 0.2 µs
+/// and 40 bytes per vertex.
+/// \param is_pole per vertex, whether it lies at a singular point of the chart; empty: none does
+/// \throws MeshError if the mesh is inconsistent, or the length of is_pole is not the number of vertices
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole);
 
 }  // namespace darboux

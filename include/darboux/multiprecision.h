@@ -1,5 +1,5 @@
 /// \file multiprecision.h
-/// A number of 40 decimal digits: the oracle against which double is measured.
+/// Numbers with 40 decimal digits: the reference against which double is measured.
 #pragma once
 
 #include <concepts>
@@ -16,8 +16,8 @@ namespace darboux {
 class Multiprecision {
  public:
   Multiprecision();
-  Multiprecision(double x);  // NOLINT: every double is such a number
-  /// Exact, too. A template: whole numbers stay doubles.
+  Multiprecision(double x);  // NOLINT: exact for every double
+  /// Exact, too. A template, so that integers convert to double.
   template <std::same_as<long double> L>
   Multiprecision(L x) : Multiprecision() {  // NOLINT
     assign(x);
@@ -49,7 +49,7 @@ class Multiprecision {
   friend Multiprecision pow(const Multiprecision& a, const Multiprecision& b);
   friend Multiprecision abs(const Multiprecision& a);
   friend bool isfinite(const Multiprecision& a);
-  /// sin πx, cos πx, the period removed exactly; relative to 1e-39 also near the zeros.
+  /// sin πx, cos πx. The period is removed exactly; relative error 1e-39, also near the zeros.
   friend Turn<Multiprecision> sincos_pi(const Multiprecision& x);
   static const Multiprecision& pi();
 

@@ -1,5 +1,5 @@
 /// \file offset.h
-/// Parallel surfaces, at a distance from another.
+/// Parallel (offset) surfaces.
 #pragma once
 
 #include <cmath>
@@ -13,14 +13,14 @@
 
 namespace darboux {
 
-/// The parallel surface P + d n at signed distance d along the base's normal. n is the base's; the handedness
-/// turns over where d passes a focal point, d κ > 1 for one principal curvature κ. The partials need third
-/// derivatives of the base: nested dual numbers over its normal, some twenty times the cost. Principal
-/// curvatures κ / (1 - d κ). At a focal point of dpdu there is no frame (no_frame, dpdu_zero), and beside
-/// it t has lost digits (ill_conditioned from half of them on); at one of dpdv the frame is the base's
-/// (limit_frame, dpdv_zero). At a conical point of the base n turns with u, and the parallel surface is
-/// regular. Where the base's frame is a limit that d2pduv does not give, there is a position and no frame.
-/// [doCarmo2016, sec. 3-5]
+/// The parallel surface P + d n at signed distance d along the normal of the base. n is that of the base; the
+/// handedness changes sign beyond a focal point (d κ > 1 for one principal curvature κ). The second
+/// partials need third derivatives of the base, which come from nested dual numbers over its normal, at some
+/// twenty times the cost. Principal curvatures: κ / (1 - d κ). At a focal point where dpdu = 0 there is no
+/// frame (no_frame, dpdu_zero); near it t has lost digits (ill_conditioned if more than half). At a focal
+/// point where dpdv = 0 the frame is that of the base (limit_frame, dpdv_zero). At a conical point of the
+/// base, n varies with u, and the parallel surface is regular. If the frame of the base is a limit that
+/// d2pduv does not determine, there is a position but no frame. [doCarmo2016, sec. 3-5]
 template <class X, class T = double>
 struct Offset {
   X base;
@@ -45,7 +45,7 @@ struct Offset {
     const Jet2<S> n = normal_jet<S>(u, v);
     const S d = lift<S>(distance);
     Vec3<S> here = n.position;
-    // The limit has a value, though no derivatives.
+    // The limit has a value but no derivatives.
     if constexpr (std::floating_point<S> && std::floating_point<T>)
       if (!detail::finite(here)) here = detail::frame_at<S>(base, u, v, detail::declared(base, u, v)).n;
     return Jet2<S>{.position = j.position + d * here,
@@ -63,12 +63,13 @@ struct Offset {
     if (has(f.status, Status::no_frame)) return f;
     const Status at = still_singular(f.status, u, v);
     const Jet2<S> of_base = base.jet(u, v), j = jet(u, v);
-    if (!detail::finite(normal(u, v))) {  // that of the base is a limit of higher order: t is not known here
+    // The normal of the base is a limit of higher order: t is not known here.
+    if (!detail::finite(normal(u, v))) {
       Frame<S> none = detail::no_frame<S>();
       none.status |= f.status & detail::degenerate;
       return none;
     }
-    // Where a partial vanishes, its direction is that of ±d2pduv: on the base and here.
+    // Where a partial vanishes, its direction is that of ±d2pduv, on the base and on the offset surface.
     const auto limit = [&](const Vec3<S>& leaning) {
       return dot(of_base.d2pduv, leaning) < S(0) ? -j.d2pduv : j.d2pduv;
     };
@@ -79,7 +80,8 @@ struct Offset {
     Along<S> along_u = along(of_base, f);
     if (!detail::finite(along_u.direction))
       along_u = u_collapsed ? in_plane(limit(f.t), of_base.d2pduv, f) : in_plane(j.dpdu, of_base.dpdu, f);
-    // At a focal point a partial is a difference of equal ones: what rounding leaves has no direction.
+    // At a focal point a partial is the difference of equal terms; the rounding error that remains has no
+    // direction.
     constexpr S rounding = S(64) * std::numeric_limits<S>::epsilon();
     if (!(along_u.length > rounding * along_u.terms)) {
       Frame<S> none = detail::no_frame<S>();
@@ -95,7 +97,7 @@ struct Offset {
     const S left = along_u.length / along_u.terms;
     if (left * left < std::numeric_limits<S>::epsilon()) result.status |= Status::ill_conditioned;
     result.b = unit(accurate_cross(result.n, result.t));
-    // The base's handedness, turned over with each focal point passed.
+    // The handedness of the base, negated at each focal point passed.
     if (has(at, Status::parallel)) {
       if constexpr (std::same_as<PU, S> && std::same_as<PV, S>) {
         Frame<S> limit_of_base = f;
@@ -114,7 +116,7 @@ struct Offset {
     return result;
   }
 
-  /// The base's, but where the base has a conical point: there n turns with u, and the parallel surface is
+  /// The status of the base, except at its conical points: there n varies with u, and the parallel surface is
   /// regular.
   template <class PU, class PV>
   Status singular(const PU& u, const PV& v) const {
@@ -126,7 +128,7 @@ struct Offset {
     return detail::normal_of(base, u, v);
   }
 
-  /// K / (1 - 2 d H + d² K) of the base's stated curvatures
+  /// K / (1 - 2 d H + d² K), from the curvatures that the base states
   template <class PU, class PV>
   auto gaussian_curvature(const PU& u,
                           const PV& v) const requires StatesGaussianCurvature<X> && StatesMeanCurvature<X> {
@@ -145,14 +147,15 @@ struct Offset {
   }
 
  private:
-  // The unit vector along dpdu, the length of that over its length on the base, and the terms it is made of.
+  // The unit vector along dpdu, the ratio of its length to that on the base, and the terms of which it is the
+  // sum.
   template <class S>
   struct Along {
     Vec3<S> direction;
     S length, terms;
   };
-  // dpdu = e ((1 - d a) t - d m b) by the base's shape operator: in the tangent plane, however much cancels.
-  // NaN where the base is singular.
+  // dpdu = e ((1 - d a) t - d m b), from the shape operator of the base: it lies in the tangent plane however
+  // much cancels. NaN where the base is singular.
   template <class S>
   Along<S> along(const Jet2<S>& of_base, const Frame<S>& f) const {
     if (has(f.status, detail::degenerate)) return {detail::nan_vector<S>(), S(0), S(0)};
@@ -163,7 +166,7 @@ struct Offset {
     const Vec3<S> sum = x * f.t - y * f.b;
     return {side * unit(sum), norm(sum), S(1) + std::fabs(d) * (s.a_size + s.m_size)};
   }
-  // The same from dpdu or its limit, without what rounding leaves along n.
+  // The same from dpdu or its limit, with the rounding error along n removed.
   template <class S>
   static Along<S> in_plane(const Vec3<S>& partial, const Vec3<S>& of_base, const Frame<S>& f) {
     const Vec3<S> sum = dot(partial, f.t) * f.t + dot(partial, f.b) * f.b;

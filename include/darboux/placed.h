@@ -13,10 +13,11 @@
 
 namespace darboux {
 
-/// Placed in space by an affine map, P = A base + translation, det A ≠ 0. Tangents go by A, n by the
-/// inverse transpose, the handedness by the sign of det A. The frame errs by some 12 roundings times the
-/// condition number of A more than the base's. Differentiate the base numerically, never the placed points:
-/// far from the origin those have lost the digits that differences need.
+/// A surface transformed by an affine map: P = A base + translation, det A ≠ 0. Tangents are transformed by
+/// A, n by the inverse transpose of A, the handedness by the sign of det A. The error of the frame exceeds
+/// that of the base by some 12 roundings times the condition number of A. For numerical differentiation,
+/// difference the base, never the placed points: far from the origin these have lost the digits that
+/// differences need.
 template <class X, class T = double>
 struct Placed {
   X base;
@@ -60,7 +61,7 @@ struct Placed {
     if (has(f.status, Status::no_frame)) return f;
     const auto [n, sign] = transformed(f.n);
     Frame<S> result{unit(map(f.t)), {}, n, sign * f.handedness, f.status};
-    // A singular A (checked() refuses it) may leave nothing.
+    // For a singular A, which checked() rejects, nothing may remain.
     if (result.n == Vec3<S>{} || result.t == Vec3<S>{}) {
       result = detail::no_frame<S>();
       result.status |=
@@ -74,7 +75,7 @@ struct Placed {
   auto normal(const PU& u, const PV& v) const {
     return transformed(detail::normal_of(base, u, v)).first;
   }
-  /// As the base has it (detail::limit_direction).
+  /// As for the base (detail::limit_direction).
   static constexpr bool limits_by_series = detail::limits_by_series<X>;
   template <class PU, class PV, class S>
   Vec3<S> limit_direction(const PU& u, const PV& v, const S& x, const S& y) const requires limits_by_series {
@@ -100,7 +101,7 @@ struct Placed {
  private:
   template <class S>
   Vec3<S> map(const Vec3<S>& p) const {
-    // A term with the factor 0 is left out: the coordinate may be infinite.
+    // Skip terms with factor 0: the coordinate may be infinite.
     const auto row = [&](std::size_t k) {
       S sum = lift<S>(0.0);
       if (A[k] != T(0)) sum = sum + lift<S>(A[k]) * p.x;
@@ -110,8 +111,8 @@ struct Placed {
     };
     return {row(0), row(3), row(6)};
   }
-  // n by the inverse transpose, and the sign of det A. The columns of the cofactor matrix are det A times
-  // those of the inverse transpose: its sign is put back. A is scaled to ordinary size first.
+  // n transformed by the inverse transpose, and the sign of det A. The cofactor matrix is det A times the
+  // inverse transpose, so its sign is corrected. A is scaled to avoid overflow first.
   template <class S>
   std::pair<Vec3<S>, S> transformed(const Vec3<S>& n) const {
     double largest = 0;

@@ -1,5 +1,5 @@
 /// \file placed_surface.h
-/// A surface as a mesh has it: placed in space, with the meaning of the mesh's stored uvs.
+/// A surface placed in the space of a mesh, with the relation between its (u, v) and the stored uvs.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace darboux {
 
-/// What a stored uv means: (u, v) of the surface = M (stored u, stored v) + offset.
+/// The relation between stored uvs and (u, v): (u, v) of the surface = M (stored u, stored v) + offset.
 struct UvConvention {
   std::string_view name;                           ///< "as stored", "flip v", ...
   std::array<double, 6> affine{1, 0, 0, 1, 0, 0};  ///< M row by row, then the offset
@@ -24,34 +24,35 @@ struct UvConvention {
 };
 
 /// The eight swaps and flips, in the order in which they are tried: "as stored", "flip v", "flip u", "flip
-/// both", "swap", "swap flip v", "swap flip u", "swap flip both". A flip is of the stored coordinate it
-/// names, before the swap.
+/// both", "swap", "swap flip v", "swap flip u", "swap flip both". A flip applies to the stored coordinate
+/// that it names, before the swap.
 std::span<const UvConvention> uv_conventions();
 
-/// The truth at one stored uv, in the mesh's space, as well as it is known.
+/// The reference frame at one stored uv, in the space of the mesh, with its uncertainty.
 struct Truth {
   Vec3<double> position;
   Vec3<double> normal;     ///< the surface's n
-  Vec3<double> tangent;    ///< unit, along the derivative by the stored u; at a pole its limit for this uv
+  Vec3<double> tangent;    ///< unit, along the derivative by the stored u; at a pole, its limit for this uv
   Vec3<double> bitangent;  ///< unit, along the derivative by the stored v
   Status status;           ///< the surface's
-  /// The chart is singular here, up to rounding of the uvs: at (u, v) itself; or after coordinates within
-  /// 1e-6 of a multiple of 1/4 are rounded to it; or dpdu vanishes within 1e-6 in v, or within four roundings
-  /// of uvs stored as floats.
+  /// The chart is singular here, up to rounding of the uvs: at (u, v) itself; or after rounding coordinates
+  /// within 1e-6 of a multiple of 1/4 to that multiple; or because dpdu vanishes within a distance in v of
+  /// 1e-6, or of four roundings of uvs stored as floats.
   bool pole;
-  double normal_deg = 0;  ///< standard deviation of the angle of `normal`; zero: the surface is known exactly
-  double tangent_deg = 0;  ///< of `tangent`
+  double normal_deg = 0;   ///< standard deviation of the angle of `normal`; zero: surface known exactly
+  double tangent_deg = 0;  ///< the same for `tangent`
 };
 
 /// A surface with its placement and uv convention.
 struct PlacedSurface {
   AnySurface surface;
-  Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();  ///< local frame to mesh, proper
+  /// From the surface's space to mesh space, proper.
+  Eigen::Isometry3d placement = Eigen::Isometry3d::Identity();
   UvConvention uv{"as stored"};
 
   Vec3<double> position(const Vec2<double>& stored) const;
-  Truth truth(const Vec2<double>& stored) const;  ///< of the surface as it is, without deviations
-  /// The same from the surface's sample at uv.surface_uv(stored).
+  Truth truth(const Vec2<double>& stored) const;  ///< the exact truth, with zero deviations
+  /// The same, given the sample of the surface at uv.surface_uv(stored).
   Truth truth(const Vec2<double>& stored, const Sample<double>& at) const;
 };
 

@@ -1,8 +1,8 @@
 /// \file point.h
 /// Evaluates a surface at one point (u, v): partials, frames, status. Nothing here throws or logs. Without
-/// NDEBUG, frame(), parametric_frame() and sample() of a surface end the program where checked() of surface.h
-/// refuses it, if it has parameters (an adaptor its own numbers), all finite and of type double; jet() and
-/// status() do not check.
+/// NDEBUG, frame(), parametric_frame() and sample() terminate the program if checked() of surface.h rejects
+/// the surface's parameters (for an adaptor, also its own numbers) and these are all finite and of type
+/// double. jet() and status() do not check.
 #pragma once
 
 #include <cmath>
@@ -12,8 +12,8 @@
 
 namespace darboux {
 
-/// Position and partials at (u, v), for any scalar the formula compiles with. Whole numbers are taken as
-/// double.
+/// Position and partials at (u, v), for any scalar type that the formula compiles with. Integers are
+/// converted to double.
 template <ParametricSurface X, class S>
 requires(!std::integral<S>) Jet2<S> jet(const X& surface, const S& u, const S& v) {
   return surface.jet(prepare<X::info.u>(u), prepare<X::info.v>(v));
@@ -38,7 +38,7 @@ Status declared(const X& surface, const PU& u, const PV& v) {
     return Status::regular;
 }
 
-// What status() says of (u, v), also given prepared, where the parameters are finite.
+// The result of status() at (u, v), for finite parameters. pu, pv: the prepared coordinates.
 template <class X, std::floating_point S, class PU, class PV>
 Status status_of_point(const X& surface, S u, S v, const PU& pu, const PV& pv) {
   if (!std::isfinite(u) || !std::isfinite(v)) return Status::non_finite_input;
@@ -47,7 +47,7 @@ Status status_of_point(const X& surface, S u, S v, const PU& pu, const PV& pv) {
   return result;
 }
 
-// What status() says of (u, v) given prepared, whatever the parameters.
+// The result of status() at (u, v), for any parameters. pu, pv: the prepared coordinates.
 template <class X, std::floating_point S, class PU, class PV>
 Status status_at(const X& surface, S u, S v, const PU& pu, const PV& pv) {
   return parameters_are_finite(surface) ? status_of_point(surface, u, v, pu, pv) : Status::non_finite_input;
@@ -55,8 +55,8 @@ Status status_at(const X& surface, S u, S v, const PU& pu, const PV& pv) {
 
 }  // namespace detail
 
-/// What the surface and the domain say of (u, v), before any frame is made: dpdu_zero, dpdv_zero, parallel,
-/// self_intersecting, crease as the surface declares them, outside_domain, non_finite_input (u, v or a
+/// The status bits that are known at (u, v) without computing a frame: dpdu_zero, dpdv_zero, parallel,
+/// self_intersecting and crease as the surface declares them; outside_domain; non_finite_input (u, v or a
 /// parameter).
 template <ParametricSurface X, std::floating_point S>
 Status status(const X& surface, S u, S v) {
@@ -65,11 +65,11 @@ Status status(const X& surface, S u, S v) {
 
 namespace detail {
 
-// The status bits that say that the partials give no frame.
+// The status bits for which the partials give no frame.
 constexpr Status degenerate = Status::dpdu_zero | Status::dpdv_zero | Status::parallel;
 
-// Whether the limits of a surface type come from limit_at(): of those without a closed frame, and of adaptors
-// of such.
+// Whether limit_at() computes the limits of a surface type: true for types without a closed frame, and for
+// adaptors of them.
 template <class X>
 constexpr bool limits_by_series = [] {
   if constexpr (requires { X::limits_by_series; })
@@ -78,16 +78,16 @@ constexpr bool limits_by_series = [] {
     return !HasClosedFrame<X>;
 }();
 
-// Whether a frame made of partials is known to fewer than half the digits: the angle between them magnifies
-// their errors, `condition` roundings each.
+// Whether a frame computed from partials is accurate to fewer than half the digits. Each partial errs by
+// `condition` roundings, amplified by 1/sin of the angle between them.
 template <Binary S>
 auto is_ill_conditioned(const Jet2<S>& j, const Frame<S>& frame, const S& condition) {
   const S across = dot(j.dpdv, frame.b), size = condition * condition;
   return across * across < S(std::numeric_limits<Element<S>>::epsilon()) * size * dot(j.dpdv, j.dpdv);
 }
 
-// The frame at prepared coordinates, `at` what the surface and the domain say of the point, j its jet where
-// it has no closed frame.
+// The frame at prepared coordinates. at: the result of status(). j: the jet, used only without a closed
+// frame.
 template <class S, class X, class PU, class PV>
 Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at, const Jet2<S>& j) {
   Frame<S> result;
@@ -96,8 +96,7 @@ Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at, const J
   } else if constexpr (HasClosedFrame<X>) {
     result = surface.frame(u, v);
     if (!finite(result.t) || !finite(result.b) || !finite(result.n)) {
-      // A partial that is no number (a user's function), or parameters beyond the sizes the formula is proven
-      // for.
+      // A NaN partial (from a user's function), or parameters beyond the magnitudes proven for the formula.
       if (!has(result.status, Status::no_frame)) result.status |= Status::no_frame | Status::overflow;
       result.t = result.b = result.n = nan_vector<S>();
     }
@@ -105,7 +104,7 @@ Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at, const J
   } else {
     result = frame_from_partials(j.dpdu, j.dpdv);
     if (has(result.status,
-            Status::non_finite_input))  // not the input's doing: overflow, or a user function's NaN
+            Status::non_finite_input))  // the input is finite: overflow, or NaN from a user's function
       result.status = Status::no_frame | Status::overflow;
     else if (const Status why = at | (result.status & degenerate); has(why, degenerate)) {
       result = limit_at(surface, j, why, u, v).frame;
@@ -129,8 +128,8 @@ Frame<S> frame_at(const X& surface, const PU& u, const PV& v, Status at) {
     return frame_at<S>(surface, u, v, at, surface.jet(u, v));
 }
 
-// The direction to which x dpdu + y dpdv tends as frame() takes its limit, as a unit vector; zero where the
-// series do not tell. For types with limits_by_series; an adaptor asks its base.
+// The unit vector to which the direction of x dpdu + y dpdv tends in the limit of frame(); zero if the series
+// do not determine it. For types with limits_by_series; an adaptor delegates to its base.
 template <std::floating_point S, class X, class PU, class PV>
 Vec3<S> limit_direction(const X& surface, const PU& u, const PV& v, S x, S y) {
   if constexpr (requires { surface.limit_direction(u, v, x, y); }) {
@@ -143,13 +142,13 @@ Vec3<S> limit_direction(const X& surface, const PU& u, const PV& v, S x, S y) {
 
 }  // namespace detail
 
-/// The orthonormal frame at (u, v) with its status. In closed form if the surface has one (about 10 ns), else
-/// from the partials (about 90 ns). At a singular point of the chart it is the limit along the given u (or
-/// v), flagged limit_frame with the bit that says why. Without a closed form the limit comes from the
-/// partials' series to third order, which takes 10 to 50 us if the second partials do not suffice; a limit of
-/// higher order is not found. If there is no limit, or u, v or a parameter is NaN or infinite, the vectors
-/// are NaN. Outside the domain the frame is the analytic extension. It is continuous through a pole: beyond
-/// it dpdu = -|dpdu| t.
+/// The orthonormal frame at (u, v) with its status: in closed form if the surface has one (about 10 ns),
+/// otherwise from the partials (about 90 ns). At a singular point of the chart it is the limit along the
+/// given u (or v), flagged limit_frame together with the reason (dpdu_zero, dpdv_zero or parallel). Without a
+/// closed form, the limit is computed from Taylor series of the partials up to third order, which takes 10 to
+/// 50 us if the second partials do not suffice; limits of higher order are not found. The vectors are NaN if
+/// there is no limit, or if u, v or a parameter is NaN or infinite. Outside the domain, the frame is
+/// continued analytically. It is continuous through a pole: beyond it, dpdu = -|dpdu| t.
 template <ParametricSurface X, std::floating_point S>
 Frame<S> frame(const X& surface, S u, S v) {
   detail::assert_permitted(surface);
@@ -161,9 +160,10 @@ Frame<S> frame(const X& surface, S u, S v) {
   return detail::frame_at<S>(here, pu, pv, detail::status_at(here, u, v, pu, pv));
 }
 
-/// The unit vectors along the coordinate curves, from an orthonormal frame and the partials there. Where dpdu
-/// vanishes, t is the limit of frame(); where dpdv vanishes, b is the limit ±d2pduv/|d2pduv| along u, on the
-/// side of handedness times the b of frame(), or that where d2pduv vanishes too.
+/// The unit tangents of the coordinate curves, from the orthonormal frame and the jet at a point. Where dpdu
+/// vanishes, t is the limit of frame(). Where dpdv vanishes, b is the limit along u, ±d2pduv/|d2pduv|, with
+/// the sign that agrees with handedness times the b of frame(). Where d2pduv vanishes too, b is handedness
+/// times the b of frame().
 template <std::floating_point S>
 ParametricFrame<S> parametric_frame(const Frame<S>& base, const Jet2<S>& j) {
   ParametricFrame<S> result{base.t, base.handedness * base.b, base.n, base.handedness, base.status};
@@ -177,7 +177,7 @@ ParametricFrame<S> parametric_frame(const Frame<S>& base, const Jet2<S>& j) {
   }
   return result;
 }
-/// The same at (u, v): where dpdv vanishes, b too is the limit that frame() takes, also one of higher order.
+/// The same at (u, v). Where dpdv vanishes, b is the limit that frame() takes, even one of higher order.
 template <ParametricSurface X, std::floating_point S>
 ParametricFrame<S> parametric_frame(const X& surface, S u, S v) {
   const Frame<S> base = frame(surface, u, v);
@@ -192,13 +192,13 @@ ParametricFrame<S> parametric_frame(const X& surface, S u, S v) {
   return result;
 }
 
-/// All of it at one point; the status adds `overflow` where a position or partial is not finite for finite
-/// input.
+/// Jet, frame and status at one point. The status has `overflow` if a position or partial is not finite
+/// although the input is.
 template <class S>
 struct Sample {
   S u, v;
   Jet2<S> jet;
-  Frame<S> frame;  ///< frame.status is the sample's
+  Frame<S> frame;  ///< frame.status is the status of the sample
 };
 template <std::floating_point S>
 Sample<S> make_sample(S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
@@ -221,8 +221,8 @@ Sample<S> sample(const X& surface, S u, S v) {
 
 namespace detail {
 
-// Coordinates that are not two of one floating-point type: whole numbers, as in frame(torus, 0, 1), and mixed
-// ones. All are taken as double, so that long double is none of them.
+// Coordinates that are not of one floating-point type: integers, as in frame(torus, 0, 1), or mixed types.
+// They are converted to double, so long double is excluded.
 template <class U, class V>
 concept MixedCoordinates =
     std::is_arithmetic_v<U> && std::is_arithmetic_v<V> && !std::same_as<U, long double> &&
@@ -230,8 +230,8 @@ concept MixedCoordinates =
 
 }  // namespace detail
 
-/// The functions above for coordinates that are whole numbers or of two types: both are taken as double, and
-/// so is the result. Two floats stay floats; long double is not taken.
+/// The functions above for integer or mixed coordinates: both are converted to double, and the result is in
+/// double. Two floats stay floats; long double is not accepted.
 template <ParametricSurface X, class U, class V>
 requires detail::MixedCoordinates<U, V> Jet2<double> jet(const X& surface, U u, V v) {
   return jet(surface, static_cast<double>(u), static_cast<double>(v));
@@ -253,7 +253,7 @@ requires detail::MixedCoordinates<U, V> Status status(const X& surface, U u, V v
   return status(surface, static_cast<double>(u), static_cast<double>(v));
 }
 
-// For what is no surface: one error that names the member it lacks.
+// For types that are not surfaces: a single compile error that names the missing member.
 template <class X, class S>
 requires(std::is_class_v<X> && !ParametricSurface<X>) void jet(const X&, const S&, const S&) {
   detail::name_missing_member<X>();

@@ -1,5 +1,5 @@
 /// \file reparametrised.h
-/// Surfaces with other coordinates: flipped, swapped, sheared, part of the domain.
+/// Reparametrised surfaces: flipped, swapped, sheared, or restricted to part of the domain.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,9 @@
 
 namespace darboux {
 
-/// Other coordinates: (u, v) of the base = M (u, v) + offset, an affine map with det M ≠ 0: what meshes do
-/// to uvs. Both coordinates become linear; where the base is periodic the map may leave the unit square.
+/// A surface with other coordinates: (u, v) of the base = M (u, v) + offset, an affine map with det M ≠ 0,
+/// as meshes apply to uvs. Both coordinates become linear. If the base is periodic, the image may exceed the
+/// unit square.
 template <class X, class T = double>
 struct Reparametrised {
   X base;
@@ -50,9 +51,9 @@ struct Reparametrised {
   Jet2<S> jet(const S& u, const S& v) const {
     const auto [pu, pv] = inside(u, v);
     const Jet2<S> j = base.jet(pu, pv);
-    // Products of entries are taken in S: of more digits than T where curvatures are.
+    // Compute products of entries in S, which has more digits than T when curvatures are computed.
     const S a = lift<S>(M[0]), b = lift<S>(M[1]), c = lift<S>(M[2]), d = lift<S>(M[3]);
-    // A term with the factor 0 is left out: the partial may be infinite.
+    // Skip terms with factor 0: the partial may be infinite.
     const auto add = [](Vec3<S>& sum, const S& factor, const Vec3<S>& x) {
       if (!(factor == lift<S>(0.0))) sum = sum + factor * x;
     };
@@ -86,7 +87,7 @@ struct Reparametrised {
     const Frame<S> f = detail::frame_at<S>(base, pu, pv, at);
     if (has(f.status, Status::no_frame)) return f;
     const T determinant = scaled_determinant();
-    if (!(determinant > T(0) || determinant < T(0))) {  // a singular M, which checked() refuses
+    if (!(determinant > T(0) || determinant < T(0))) {  // a singular M, which checked() rejects
       Frame<S> none = detail::no_frame<S>();
       const bool u_zero = M[0] == T(0) && M[2] == T(0), v_zero = M[1] == T(0) && M[3] == T(0);
       if (u_zero) none.status |= Status::dpdu_zero;
@@ -101,7 +102,7 @@ struct Reparametrised {
       if constexpr (detail::limits_by_series<X>) t = detail::limit_direction(base, pu, pv, a, c);
       if (t == Vec3<S>{}) return detail::no_frame<S>();
     } else if (has(at, Status::dpdu_zero) || a == S(0)) {
-      // Where one partial of the base vanishes the other decides; where that is not asked for, the limit
+      // If one partial of the base vanishes, the other one decides; if that one does not enter, the limit
       // does.
       t = c == S(0) ? std::copysign(one, a) * f.t : std::copysign(one, c) * along_v(f, j, at);
     } else if (has(at, Status::dpdv_zero) || c == S(0)) {
@@ -113,7 +114,7 @@ struct Reparametrised {
     return {t, b, f.n, determinant < T(0) ? -f.handedness : f.handedness, mapped_status(f.status)};
   }
 
-  /// As the base has it (detail::limit_direction).
+  /// As for the base (detail::limit_direction).
   static constexpr bool limits_by_series = detail::limits_by_series<X>;
   template <class S>
   Vec3<S> limit_direction(const S& u, const S& v, const S& x, const S& y) const requires limits_by_series {
@@ -152,8 +153,8 @@ struct Reparametrised {
     return base.mean_curvature(pu, pv);
   }
 
-  /// Where the base is only piecewise smooth, if the map takes coordinate lines to coordinate lines;
-  /// otherwise none.
+  /// The coordinates at which the base is only piecewise smooth, if the map takes coordinate lines to
+  /// coordinate lines; otherwise empty.
   std::vector<double> breaks(int along) const requires requires(const X& x) { x.breaks(0); }
   {
     std::vector<double> result;
@@ -179,7 +180,7 @@ struct Reparametrised {
   }
 
  private:
-  // The base's bits as they are here.
+  // The status bits of the base, translated to these coordinates.
   Status mapped_status(Status at) const {
     Status result = detail::without(at, Status::dpdu_zero | Status::dpdv_zero);
     const bool u_zero = has(at, Status::dpdu_zero), v_zero = has(at, Status::dpdv_zero);
@@ -230,7 +231,7 @@ template <ParametricSurface X>
 Reparametrised<X> flipped_v(const X& base) {
   return {base, {1, 0, 0, -1}, {0, 1}};
 }
-/// The part over [u0, u1] × [v0, v1], again over the unit square.
+/// The part over [u0, u1] × [v0, v1], reparametrised over the unit square.
 template <ParametricSurface X>
 Reparametrised<X> sub_rectangle(const X& base, double u0, double u1, double v0, double v1) {
   return {base, {u1 - u0, 0, 0, v1 - v0}, {u0, v0}};

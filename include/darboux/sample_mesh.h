@@ -1,6 +1,6 @@
 /// \file sample_mesh.h
-/// Reference meshes: a surface cut into triangles, with exact positions, normals, uvs and tangents, and with
-/// defects where they are asked for.
+/// Reference meshes: triangulated surfaces with exact positions, normals, uvs and tangents, and with defects
+/// on request.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace darboux {
 
-/// How the surface is cut into triangles.
+/// How the surface is triangulated.
 enum class MeshTopology {
   grid,       ///< columns × rows cells of the uv square, two triangles each
   icosphere,  ///< 20 n² triangles: an icosahedron's, each edge cut into n = subdivisions, two corners at the
@@ -21,27 +21,27 @@ enum class MeshTopology {
   lantern,      ///< Schwarz's lantern: a grid in which every second row is turned by half a cell
 };
 
-/// Which u the vertices at a pole have. A pole is an end of v that is one point.
+/// The u of the vertices at a pole. A pole is an end of v that is a single point.
 enum class PolePlacement {
   per_column,  ///< one vertex per column, u = i/n, as the rows have it: its triangle is askew in uv
   half_cell,   ///< one vertex per triangle, in the middle of its column, u = (i + 1/2)/n
   shared,      ///< one vertex for all, u = 1/2 (each half of a mirrored mesh has its own)
 };
 
-/// How a reference mesh is laid over the surface, and what is wrong with it.
+/// The layout and the defects of a reference mesh.
 struct SampleMeshOptions {
   MeshTopology topology = MeshTopology::grid;
   int columns = 32, rows = 16;  ///< grid and lantern: segments along u and v, each at least 1 (3 columns of a
                                 ///< lantern; 3 along a shared periodic direction)
   int subdivisions = 8;         ///< icosphere and cube_sphere: segments per edge, at least 1, at most 2000
   PolePlacement pole = PolePlacement::per_column;
-  bool shared_seam = false;  ///< the two sides of a seam share vertices: uvs jump back inside a triangle
-  /// In [0, 0.5): interior vertices move by up to ± this share of a cell in u and in v, those on the fold of
-  /// a mirrored mesh in v alone.
+  bool shared_seam = false;  ///< both sides of a seam share vertices: uvs jump back within a triangle
+  /// In [0, 0.5): interior vertices are displaced by up to ± this share of a cell in u and in v; those on
+  /// the fold of a mirrored mesh in v only.
   double jitter = 0;
   bool random_diagonals = false;
-  /// In [0, 1): a grid's coordinates x run as x + grading sin(2πx)/2π, so that cells are 1 + grading times
-  /// as wide at the ends of u and v as on average, and 1 - grading times in the middle.
+  /// In [0, 1): the coordinates x of a grid are replaced by x + grading sin(2πx)/2π, so cells are 1 +
+  /// grading times as wide as the average at the ends of u and v, and 1 - grading times in the middle.
   double grading = 0;
   std::uint64_t seed = 1;          ///< of jitter and diagonals
   double shear = 0;                ///< K: stores (u + K v, v), |K| <= 1000
@@ -53,14 +53,14 @@ struct SampleMeshOptions {
   int degenerate_uvs = 0;  ///< triangles that lose their area in uv, at most all
 };
 
-/// The mesh. Positions, normals and tangents are the surface's own at each vertex's (u, v), in double; the
-/// tangent is the direction of the derivative by the *stored* u. Triangles are wound as n: counter-clockwise
-/// where seen from the side to which n points.
+/// Makes the mesh. Positions, normals and tangents are those of the surface at the (u, v) of each vertex, in
+/// double; the tangent is the direction of the derivative by the *stored* u. Triangles are counter-clockwise
+/// as seen from the side to which n points.
 ///
 /// grid: each column has its own vertex at a pole, with the limit frame of its u, unless `pole` says
-/// otherwise; triangles without area (two corners in one place, up to 8 ulps of the triangle's largest
-/// coordinate) are left out, and so is the vertex that none of them uses. A shared pole has the frame of u =
-/// 1/2 alone (at the apex of a cone the normal of that side).
+/// otherwise. Triangles without area (two corners at the same position, up to 8 ulps of the triangle's
+/// largest coordinate) are omitted, and so is the vertex that no triangle uses. A shared pole has the frame
+/// of u = 1/2 only (at the apex of a cone, the normal of that side).
 ///
 /// icosphere, cube_sphere: for surfaces whose u is a turn and whose v a half turn with a pole at each end:
 /// sphere, ellipsoid, superellipsoid. Each vertex of the unit sphere's mesh gives the (u, v) of its
@@ -73,17 +73,17 @@ struct SampleMeshOptions {
 /// congruent, and
 ///   area = 2 m n r sin(π/m) sqrt((h/n)² + r² (1 - cos(π/m))²)
 /// tends to the cylinder's 2πrh only if n/m² -> 0; for n = m² it tends to 2πr sqrt(h² + π⁴r²/4).
-/// There, quantities computed from the triangles do not converge. The stored normals and tangents are the
-/// cylinder's all the same. [Schwarz1890]
+/// In that case quantities computed from the triangles do not converge, although the stored normals and
+/// tangents are those of the cylinder. [Schwarz1890]
 ///
-/// shear: at its bound a float of u + K v keeps u to 2^-15.
+/// shear: at the largest |K|, a float of u + K v resolves u to 2^-15.
 ///
 /// scale, M = diag(x, y, z), each 1e-30 to 1e30 in size, none more than 1e12 times another: positions and
 /// tangents by M, normals by its inverse transpose, w by the sign of det M; a mirror (det M < 0) reverses the
 /// winding, so that it agrees with n.
 ///
-/// degenerate, spread over the mesh, three kinds in turn, each along the shortest edge (a, b) of one of the
-/// others:
+/// degenerate: spread over the mesh, of three alternating kinds, each along the shortest edge (a, b) of a
+/// regular triangle:
 ///   (a, m, b)   collinear: m is a vertex of its own in the middle of the chord, off the surface by its sag,
 ///               with the surface's normal and tangent at the edge's middle uv
 ///   (a, b, a')  three vertices, two of them in one place: a' is a copy of a
@@ -93,17 +93,17 @@ struct SampleMeshOptions {
 /// afterwards positions to multiples of 2^-22 of the power of two below the largest coordinate: by at most
 /// one unit of the last digit of a float of that size.
 ///
-/// degenerate_uvs, spread likewise, two kinds in turn: all three corners at the first one's uv; the third at
-/// the first one's. Such a triangle has vertices of its own: positions, normals and tangents stay those of
-/// the place, the uvs do not name it.
+/// degenerate_uvs: spread likewise, of two alternating kinds: all three corners get the uv of the first; the
+/// third gets that of the first. Such a triangle has its own vertices: positions, normals and tangents are
+/// unchanged, but the uvs no longer correspond to them.
 ///
 /// \param dropped_cells receives the number of incomplete cells of a grid: a triangle of the cell has a
 /// corner at infinity, as at a pole of a formula, and is left out; or no triangle of the cell has area
 ///
-/// Cost: linear in the triangles, three evaluations each and one per vertex. Options that a topology does not
-/// have are refused: pole, jitter, random_diagonals, grading, mirror for all but grid, shared_seam and a part
-/// of v for the two spheres. \throws ParameterError naming the option, what is expected and what was given:
-/// for a grid too that leaves no triangle, as 1x1 on a torus
+/// Cost: linear in the triangles; three evaluations per triangle and one per vertex. Options that do not
+/// apply to a topology are an error: pole, jitter, random_diagonals, grading, mirror for all but grid,
+/// shared_seam and a part of v for the two spheres. \throws ParameterError naming the option, what was
+/// expected and what was given; also for a grid without any triangle with area, such as 1x1 on a torus
 Mesh sample_mesh(const AnySurface& surface, const SampleMeshOptions& options,
                  std::size_t* dropped_cells = nullptr);
 

@@ -1,7 +1,7 @@
 /// \file scalar.h
-/// What a formula may ask of its number type: constants at its own precision, sine and cosine of turns with
-/// exact range reduction, and dual numbers. A formula itself uses + - * / and sqrt, and the functions of
-/// elementary.h.
+/// The operations that a formula may require of its number type: constants at its own precision, sine and
+/// cosine of turns with exact range reduction, and dual numbers. A formula itself uses + - * /, sqrt and the
+/// functions of elementary.h.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@
 
 namespace darboux {
 
-/// An angle handed to a formula as its sine and cosine.
+/// An angle, represented by its sine and cosine.
 template <class S>
 struct Turn {
   S sin{}, cos{};
@@ -162,8 +162,8 @@ S lift(const T& x) {
 
 namespace detail {
 
-// What a formula asks of a number where it would branch: whether it is zero, finite, not NaN. A scalar that
-// stands for many numbers brings its own, true where it is so of all.
+// Predicates on which a formula branches: whether a number is zero, finite, not NaN. SIMD scalars provide
+// their own, true if they hold for all lanes.
 template <class S>
 bool all_zero(const S& x) {
   return !(x < lift<S>(0.0)) && !(lift<S>(0.0) < x);
@@ -179,9 +179,9 @@ bool all_numbers(const S& x) {
 
 }  // namespace detail
 
-/// sin 2πu and cos 2πu. The period is removed exactly before any multiplication by π: u and u + k give the
-/// same bits wherever u + k is exact, quarter turns give exactly 0 and ±1, and zeros are +0. Error at
-/// most 1.65 ulp in double and float for every finite u; NaN for a u that is not finite. About 4 ns.
+/// sin 2πu and cos 2πu. The period is removed exactly before any multiplication by π. So u and u + k give
+/// the same bits wherever u + k is exact; quarter turns give exactly 0 and ±1; zeros are +0. Error: at most
+/// 1.65 ulp in double and float for every finite u. NaN if u is not finite. Cost: about 4 ns.
 template <class S>
 Turn<S> sincos_turns(const S& u) {
   return Scalar<S>::sincos_turns(u);
@@ -205,9 +205,9 @@ S two_pi() {
   return lift<S>(2.0) * Scalar<S>::pi();
 }
 
-/// A dual number: a value and its first derivatives with respect to N variables, carried through + - * /,
-/// sqrt, exp, log, sinh, cosh, tanh, pow and abs by the rules of differentiation. Comparisons are those
-/// of the values. Nest it (Dual<Dual<double, 2>, 2>) for second derivatives.
+/// A dual number: a value and its first derivatives with respect to N variables, propagated through + - * /,
+/// sqrt, exp, log, sinh, cosh, tanh, pow and abs by the rules of differentiation. Comparisons compare the
+/// values only. Nest it (Dual<Dual<double, 2>, 2>) for second derivatives.
 template <class T, int N>
 struct Dual {
   T value{};

@@ -1,6 +1,6 @@
 /// \file scene.h
-/// Parametric surfaces as a camera sees them. A plan says which tiles of which instances are needed, how
-/// finely, and with which attributes; the batch kernels then evaluate these and nothing else.
+/// View-dependent evaluation of parametric surfaces. A plan lists the tiles of each instance that are needed,
+/// their resolution and their attributes; the batch kernels then evaluate only these.
 ///   const ScenePlan plan = plan_scene(scene, camera, request);
 ///   for_each_tile(scene, plan, [&](const TileSamples& tile) { draw(tile); });
 #pragma once
@@ -24,22 +24,22 @@
 
 namespace darboux {
 
-/// What a material reads of a surface.
+/// The properties of a material that affect planning.
 struct SceneMaterial {
   std::string name;
   bool normal_map = false, clearcoat_normal_map = false;
   bool anisotropy = false;    ///< with a texture or without
   bool double_sided = false;  ///< both sides are seen
-  bool see_through = false;   ///< it is transparent, or has holes: it hides nothing. Meshes never do
-  /// The most that a displacement moves a point, in the scene's unit of length.
+  bool see_through = false;   ///< transparent or with holes: it occludes nothing. (Meshes never occlude)
+  /// Upper bound of a displacement, in the unit of length of the scene.
   double displacement = 0;
 
   /// Whether it reads more of the frame than the normal.
   bool reads_tangents() const { return normal_map || clearcoat_normal_map || anisotropy; }
 };
 
-/// A surface somewhere in a scene. Positions by the placement, normals by its inverse transpose: a mirrored
-/// instance shows the same side.
+/// An instance of a surface in a scene. Positions are transformed by the placement, normals by its inverse
+/// transpose, so a mirrored instance shows the same side.
 struct SceneInstance {
   std::uint32_t surface = 0, material = 0;  ///< indices into those of the scene
   Eigen::Affine3d placement = Eigen::Affine3d::Identity();
@@ -49,12 +49,12 @@ struct Scene {
   std::vector<AnySurface> surfaces;
   std::vector<SceneMaterial> materials;
   std::vector<SceneInstance> instances;
-  /// Triangles that are there: planned by whole parts, and not evaluated.
+  /// Existing triangle meshes: planned by whole parts, and not evaluated.
   std::vector<SceneMesh> meshes{};
   std::vector<SceneMeshInstance> mesh_instances{};
 };
 
-/// A camera as glTF has it: it looks along its -z, y is up.
+/// A camera as in glTF: it looks along its -z axis, with y up.
 struct Camera {
   enum class Projection : std::uint8_t { perspective, orthographic };
 
@@ -74,21 +74,21 @@ struct Camera {
   void check() const;
 };
 
-/// A camera on the way from one to another, t from 0 to 1: positions and lenses in equal steps, and a
-/// rotation about one axis, the shorter way round. Where one of the two has no far plane, none between has.
+/// Interpolates between two cameras, t from 0 to 1: positions and lenses linearly, the rotation about a fixed
+/// axis along the shorter arc. If one of the two has no far plane, neither has the result.
 /// \throws ParameterError where projections or image sizes differ
 Camera between(const Camera& from, const Camera& to, double t);
 
-/// What is asked for. A bound of infinity does not restrict; the strictest bound decides.
+/// The requested attributes and accuracy. An infinite bound has no effect; the strictest bound decides.
 struct SceneRequest {
   Attributes attributes = Attribute::position | Attribute::normal | Attribute::tangent4;
-  /// How far the surface may be from the triangles through the samples: in pixels of the camera, and in the
-  /// scene's unit of length.
+  /// The permitted distance between the surface and the triangles through the samples: in pixels of the
+  /// camera, and in the unit of length of the scene.
   double chord_px = 0.5, chord = std::numeric_limits<double>::infinity();
-  /// By how much t, b and n may differ from those interpolated in a triangle and normalised.
+  /// The permitted angle between t, b and n and those interpolated in a triangle and normalised.
   double frame_angle_rad = 0.0175;  ///< radians, about 1 degree
   /// What may be skipped. With everything off, each instance is evaluated uniformly, at the resolution that
-  /// its nearest point needs.
+  /// its nearest point requires.
   struct Skip {
     bool unread_attributes = true;  ///< tangents of materials that read none
     bool outside_frustum = true, back_facing = true, below_error = true, duplicates = true;
@@ -106,9 +106,9 @@ struct SceneRequest {
   } skip;
 };
 
-/// Samples on the corners of cells_u × cells_v cells of one of 2^level_u × 2^level_v tiles of a chart, and
-/// on edges those of its neighbours too. Coordinates are whole multiples of powers of two: neighbours have
-/// the same bits on their common edge.
+/// The samples of one of 2^level_u × 2^level_v tiles of a chart: the corners of its cells_u × cells_v
+/// cells, and on its edges also the samples of its neighbours. Coordinates are integer multiples of powers of
+/// two, so neighbours have the same bits on their common edge.
 struct ScenePatch {
   std::uint32_t surface = 0;
   std::uint8_t level_u = 0, level_v = 0;
@@ -118,11 +118,12 @@ struct ScenePatch {
   /// Unique over all plans of one ScenePlanner: patches with the same id have the same samples, which a
   /// caller may keep.
   std::uint64_t id = 0;
-  /// How many samples the neighbours have on the edges v0, v1, u0, u1 that are not corners of the cells here,
-  /// and where in ScenePlan::edge_coordinates they begin. In rising order.
+  /// The number of additional samples that the neighbours have on the edges v0, v1, u0, u1, and the index of
+  /// the first one in ScenePlan::edge_coordinates. In ascending order.
   std::array<std::uint32_t, 4> edge_counts{};
   std::uint32_t first_edge_coordinate = 0;
-  std::uint32_t first_tile = 0, tile_count = 0;  ///< in ScenePlan::tiles: those that it is the samples of
+  /// Range in ScenePlan::tiles: the tiles that use these samples.
+  std::uint32_t first_tile = 0, tile_count = 0;
 
   Tile tile() const;
   bool plain() const { return (edge_counts[0] | edge_counts[1] | edge_counts[2] | edge_counts[3]) == 0; }
@@ -138,13 +139,13 @@ struct PlannedPart {
   std::uint32_t instance, part;  ///< of Scene::mesh_instances, and of its mesh
 };
 
-/// Tiles, each counted under one reason. A part of an instance of a mesh counts as one.
+/// Numbers of skipped tiles, each counted under one reason. A part of a mesh instance counts as one tile.
 struct SkippedTiles {
-  std::uint64_t no_normal_map = 0;  ///< all that was asked for is tangents, and the material reads none
+  std::uint64_t no_normal_map = 0;  ///< only tangents are requested, and the material reads none
   std::uint64_t outside_frustum = 0;
   std::uint64_t back_facing = 0;
   std::uint64_t occluded = 0;     ///< hidden behind others, before duplicates
-  std::uint64_t below_error = 0;  ///< a larger tile with as few samples does
+  std::uint64_t below_error = 0;  ///< a larger tile with as few samples suffices
   std::uint64_t duplicates = 0;   ///< computed once, for another instance of the surface
 };
 
@@ -158,21 +159,22 @@ struct ScenePlan {
   std::uint64_t tiles_all = 0;         ///< of all instances at their finest resolution
   std::uint64_t tiles_needed = 0;      ///< all, less those skipped: patches and parts of meshes
   SkippedTiles skipped;
-  /// Tiles needed whose resolution is not proven, counted before duplicates and hidden tiles are taken out.
-  /// Either it is estimated from samples and increased by half: next to poles, on surfaces without bounds
-  /// and, without skip.below_error, on surfaces without closed forms. Or it is limited to the finest there
-  /// is, 2^14 cells along a side. Parts of meshes count here if they move. Surfaces without bounds are never
-  /// culled.
+  /// Needed tiles whose resolution is not proven, counted before duplicates and hidden tiles are removed.
+  /// Either the resolution is estimated from samples and increased by half: next to poles, on surfaces
+  /// without bounds and, without skip.below_error, on surfaces without closed forms. Or it is limited to the
+  /// maximum of 2^14 cells along a side. Parts of meshes count here if they move. Surfaces without bounds are
+  /// never culled.
   std::uint64_t tiles_unbounded = 0;
-  /// Every instance uniformly at the resolution of its nearest point; of meshes, their vertices.
+  /// Samples if every instance were evaluated uniformly at the resolution of its nearest point; for meshes,
+  /// their vertices.
   std::uint64_t samples_full = 0;
   std::uint64_t samples_needed = 0;  ///< of the patches, and vertices
   /// Samples of each attribute that are evaluated, or read.
   std::array<std::uint64_t, attribute_count> attribute_samples{};
 };
 
-/// What is to be evaluated for one camera. Nothing that is seen is left out: whatever is culled is culled by
-/// a proven bound, rounding included. Resolutions keep the bounds asked for, proven but for tiles_unbounded.
+/// Plans the evaluation for one camera. Nothing visible is omitted: tiles are culled only by proven bounds,
+/// rounding included. Resolutions satisfy the requested bounds, which is proven except for tiles_unbounded.
 /// Surfaces without bounds are not culled, and their resolution is estimated from samples. Cost: about 0.2 us
 /// per instance outside the frustum, 0.5 us per small one in view, and up to some ms per surface without
 /// closed forms, whose tiles are bounded first: docs/reports/scene.md. \throws ParameterError for a camera or
@@ -181,8 +183,8 @@ struct ScenePlan {
 ScenePlan plan_scene(const Scene& scene, const Camera& camera, const SceneRequest& request);
 
 /// The same for many cameras of a scene. The plans are those of plan_scene(), to the bit, except for the ids
-/// of patches. The planner keeps the bounds of the surfaces' tiles. It also keeps the decisions for an
-/// instance while they provably hold: while the camera, with the same lens, has moved and turned too little
+/// of patches. The planner caches the bounds of the surfaces' tiles. It also reuses the decisions for an
+/// instance while they provably hold: while the camera, with the same lens, has moved and rotated too little
 /// to change any of them. Memory: about 1 kB for each tile of a surface that a camera looked at, 110 bytes
 /// per instance and 40 more with skip.occluded, 16 for each answer about a tile of an instance in view, and
 /// the patches of the last plans.
@@ -204,11 +206,12 @@ class ScenePlanner {
   std::unique_ptr<Planner> planner_;
 };
 
-/// The samples of one patch in its surface's own space. Valid until the function that is handed them returns.
+/// The samples of one patch, in the space of its surface. Valid until the function that receives them
+/// returns.
 class TileSamples {
  public:
   const ScenePatch& patch() const { return *patch_; }
-  /// The tiles they are of: place them by the instances' placements.
+  /// The tiles with these samples; transform each by the placement of its instance.
   std::span<const PlannedTile> tiles() const { return tiles_; }
   std::size_t size() const { return status_.size(); }
   Vec2<double> uv(std::size_t i) const {
@@ -242,8 +245,8 @@ class TileSamples {
   std::span<const std::uint32_t> triangles_;
 };
 
-/// Evaluates the patches of a plan one after the other. Memory is kept from one to the next. Scene and plan
-/// live as long as this, and the plan is of this scene: the surfaces are not compared.
+/// Evaluates the patches of a plan one after the other, reusing memory. Scene and plan must outlive this
+/// object, and the plan must be of this scene, which is not checked.
 class TileEvaluator {
  public:
   TileEvaluator(const Scene& scene, const ScenePlan& plan) : scene_(&scene), plan_(&plan) {}

@@ -1,5 +1,5 @@
 /// \file scene_mesh.h
-/// Meshes in a scene: what a plan knows of their triangles, which it skips or needs by whole parts.
+/// Meshes in a scene: bounds of their triangles, which a plan skips or needs by whole parts.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ namespace darboux {
 /// Triangles of one material, by bounds in the mesh's own space.
 struct SceneMeshPart {
   Eigen::AlignedBox3d box;
-  /// The cone that holds the normals of its triangles, by their winding: unit axis and half the angle, pi
-  /// where there is none.
+  /// A cone that contains the normals of the triangles (by winding): unit axis and half angle; pi if there is
+  /// none.
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
   double half_angle_rad = std::numbers::pi;
   std::uint32_t material = 0;  ///< index into those of the scene
@@ -33,7 +33,7 @@ struct SceneMesh {
   std::vector<SceneMeshPart> parts;
 };
 
-/// A mesh somewhere in a scene. The placement may be singular: a flat instance has no side, and is never
+/// An instance of a mesh in a scene. The placement may be singular: a flat instance has no side, and is never
 /// skipped for facing away.
 struct SceneMeshInstance {
   std::uint32_t mesh = 0;  ///< index into those of the scene

@@ -1,6 +1,6 @@
 /// \file shape_operator.h
-/// The shape operator, at poles and collapsed edges too, and what it gives at once: second form and
-/// derivatives of the normal of a surface, area element.
+/// The shape operator, including poles and collapsed edges, and what follows from it: second form,
+/// derivatives of the normal, area element.
 #pragma once
 
 #include <cmath>
@@ -18,9 +18,9 @@
 namespace darboux {
 
 /// The shape operator in the orthonormal basis (t, b): S t = a t + m b, S b = m t + c b. Units: 1/length.
-/// With n outward a sphere of radius r has a = c = -1/r, m = 0. Beside it the partials in that basis: dpdu =
-/// e t, dpdv = f t + g b; S dpdv = v_t t + v_b b; and the sizes of the terms whose sums are a, m, c and v_t,
-/// v_b: rounding leaves some a_size u of a.
+/// A sphere of radius r with outward n has a = c = -1/r, m = 0. Also the partials in that basis: dpdu = e t,
+/// dpdv = f t + g b; S dpdv = v_t t + v_b b. The _size members are sums of the magnitudes of the terms of a,
+/// m, c, v_t and v_b: the rounding error of a is about a_size u.
 template <class S>
 struct ShapeOperator {
   S a, m, c;
@@ -38,7 +38,7 @@ S terms_size(const Vec3<S>& a, const Vec3<S>& b) {
   return abs(a.x * b.x) + abs(a.y * b.y) + abs(a.z * b.z);
 }
 
-// Whether a product or quotient of a non-zero number is so small that it has lost digits, or is 0.
+// Whether a product or quotient of non-zero numbers has underflowed: it has lost digits, or is 0.
 template <class S>
 auto underflows(const S& result, const S& of) {
   using std::abs;
@@ -57,7 +57,7 @@ ShapeOperator<S> shape_operator(const Jet2<S>& j, const Frame<S>& frame) {
   s.e = dot(j.dpdu, frame.t);
   s.f = dot(j.dpdv, frame.t);
   s.g = dot(j.dpdv, frame.b);
-  // Each second derivative is divided once before the dot product, which near a pole would underflow.
+  // Divide each second derivative once before the dot product, which would underflow near a pole.
   const Vec3<S> along_u = j.d2pdu2 / s.e, mixed = j.d2pduv / s.e, along_v = j.d2pdv2 / s.g;
   const S f = abs(s.f), g = abs(s.g), skew = s.f / s.g, two = lift<S>(2.0);
   const S excess = detail::terms_size(j.dpdv, frame.b) - g;  // what has cancelled in g
@@ -74,7 +74,8 @@ ShapeOperator<S> shape_operator(const Jet2<S>& j, const Frame<S>& frame) {
   s.c = (N - s.f * (s.a * skew + two * s.m)) / s.g;
   s.c_size = (N_size + f * (s.a_size * abs(skew) + two * s.m_size) + abs(s.c) * excess) / g;
   if constexpr (detail::Binary<S>) {
-    // Where partials are long a and m may underflow, while f a and f m matter: those are not made of them.
+    // If partials are long, a and m may underflow although f a and f m matter, so these are computed
+    // separately.
     const S g_m = s.v_t - s.f * s.a;
     if (detail::underflows(s.a, u_t) || detail::underflows(s.m, g_m)) [[unlikely]] {
       const S f_a = s.f / s.e * u_t, exact_g_m = s.v_t - f_a, f_a_size = abs(s.f / s.e) * u_t_size;
@@ -107,16 +108,16 @@ S area_element(const ShapeOperator<S>& s) {
 
 namespace detail {
 
-// A sum is computed again in another way if its terms exceed it by more than this factor: for curvatures, and
-// for quantities that batches do not give.
+// A sum is recomputed by another method if its terms exceed it by more than this factor: for curvatures, and
+// (small_cancellation) for quantities that batches do not provide.
 inline constexpr double cancellation = 8, small_cancellation = 4;
-// The same where another way costs some 50 us and the sum is often small because its condition is large: for
-// K and H that a surface does not state, and for a surface of data instead of parameters, whose every number
-// is as uncertain as the terms. And the factor for the difference of the principal curvatures, which fixes
-// the directions.
+// large_cancellation: the same if the other method costs some 50 us and the sum is often small because its
+// condition is large: for K and H that a surface does not state, and for surfaces defined by data instead of
+// parameters, where every number is as uncertain as the terms. cancellation_of_directions: the factor for the
+// difference of the principal curvatures, which determines the directions.
 inline constexpr double large_cancellation = 0x1p12, cancellation_of_directions = 256;
 
-// A partial at a point, and its first and second derivative along y, from nested dual numbers over (x, y).
+// A partial at a point with its first and second derivatives along y, from nested dual numbers over (x, y).
 template <class S>
 struct AlongY {
   Vec3<S> value, first, second;
@@ -128,8 +129,8 @@ struct AlongY {
                p.z.derivative[1].derivative[1]} {}
 };
 
-// The jets of a surface of any type over nested dual numbers: what follows from them is compiled once for all
-// types.
+// The jets of any surface over nested dual numbers, type-erased so that the code that uses them is compiled
+// only once.
 template <class S>
 struct NestedJets {
   using N = Dual<Dual<S, 2>, 2>;
@@ -138,14 +139,14 @@ struct NestedJets {
 };
 
 // The limit of the shape operator where the chart collapses along x: P_x = P_xx = 0 there, P_y and P_xy span
-// the plane. With s the distance from there along y: P_x = s P_xy + ..., P_xx = s P_xxy + s²/2 P_xxyy + ...,
-// n = n0 + s n_y + ..., n_y = -S P_y. To first order in s
+// the plane. Let s be the distance from there along y: P_x = s P_xy + ..., P_xx = s P_xxy + s²/2 P_xxyy +
+// ..., n = n0 + s n_y + ..., n_y = -S P_y. To first order in s
 //   n·P_xy = s (n_y·P_xy + n0·P_xyy),  and by the definition of S  n·P_xy = -n_y·P_x = -s n_y·P_xy,
 // so that q = -n_y·t = n0·P_xyy / 2|P_xy| for t = P_xy / |P_xy|. With b = n0 × t and P_y = f t + g b
 //   -n_y·P_y = n0·P_yy  gives  -n_y·b = (n0·P_yy - f q)/g,
 // and the second order of n·P_xx = |P_x|² (t·S t) gives t·S t. Its first order, n0·P_xxy, must vanish:
-// else the normal depends on x at one and the same point, as at the apex of a cone, and the curvature grows
-// without bound.
+// otherwise the normal at this one point depends on x, as at the apex of a cone, and the curvature is
+// unbounded.
 template <class S>
 ShapeOperator<S> shape_operator_at_collapse(const NestedJets<S>& jets, S u, S v, const Jet2<S>& j,
                                             const Frame<S>& frame) {
@@ -155,8 +156,8 @@ ShapeOperator<S> shape_operator_at_collapse(const NestedJets<S>& jets, S u, S v,
   constexpr S rounding = S(32) * std::numeric_limits<S>::epsilon();
   const S e = dot(j.dpdu, frame.t), f = dot(j.dpdv, frame.t), g = dot(j.dpdv, frame.b);
   ShapeOperator<S> result{nan, nan, nan, e, f, g, nan, nan, nan, nan, nan, nan, nan};
-  // x = (x_u, x_v) is the direction in which the position does not move, y = (-x_v, x_u). Next to a collapse,
-  // where no status says so, it is that of the smaller partial.
+  // x = (x_u, x_v) is the direction in which the position is constant, y = (-x_v, x_u). Near a collapsed
+  // point, where the status has no bit, x is the direction of the smaller partial.
   S x_u = 1, x_v = 0;
   const bool flagged = has(frame.status, Status::dpdu_zero | Status::dpdv_zero | Status::parallel);
   if (has(frame.status, Status::dpdv_zero) || (!flagged && norm(j.dpdv) < norm(j.dpdu))) {
@@ -193,7 +194,7 @@ ShapeOperator<S> shape_operator_at_collapse(const NestedJets<S>& jets, S u, S v,
   const S tt = (dot(n, xx.second / length) / S(2) - q * dot(bend, t) - h * dot(bend, b)) / length;
   const S tb = (q - y_t * tt) / y_b;
   const S bb = (h - y_t * tb) / y_b;
-  // From the basis (t, b) here to that of the frame.
+  // Rotate from the basis (t, b) used here to that of the frame.
   const S cosine = dot(frame.t, t), sine = dot(frame.t, b);
   result.a = cosine * cosine * tt + S(2) * cosine * sine * tb + sine * sine * bb;
   result.m = cosine * sine * (bb - tt) + (cosine * cosine - sine * sine) * tb;
@@ -205,8 +206,8 @@ ShapeOperator<S> shape_operator_at_collapse(const NestedJets<S>& jets, S u, S v,
   return result;
 }
 
-// Jet and frame of a surface type, or of a surface chosen at run time (any_surface.h), which has them as
-// members. Compiled once per scalar: over nested dual numbers that takes long.
+// Jet and frame of a surface type, or of an AnySurface, which has them as members. Compiled once per scalar
+// type, because compiling over nested dual numbers is slow.
 template <class X, class S>
 [[gnu::noinline]] auto jet_of(const X& surface, const S& u, const S& v) {
   if constexpr (ParametricSurface<X>)
@@ -222,7 +223,7 @@ Frame<S> frame_of(const X& surface, S u, S v) {
     return surface.frame(u, v);
 }
 
-// Whether terms cancel to less than a share of their size.
+// Whether a sum cancels to less than a given fraction of its terms.
 template <class S>
 auto cancels(const S& terms, const S& sum, double most = cancellation) {
   using std::abs;
@@ -234,8 +235,8 @@ S size_of_both(const S& x, const S& y) {
   return abs(x) + abs(y);
 }
 
-// Whether a first partial is so small that its square, the order of second partials, is a subnormal number:
-// those have fewer digits.
+// Whether a first partial is so small that its square, the magnitude of second partials, is subnormal and so
+// has fewer digits.
 template <class S>
 auto squares_underflow(const S& e, const S& f, const S& g) {
   using std::abs;
@@ -243,7 +244,7 @@ auto squares_underflow(const S& e, const S& f, const S& g) {
   const S least(std::ldexp(T(1), std::numeric_limits<T>::min_exponent / 2));
   return abs(e) < least || size_of_both(f, g) < least;
 }
-// Or that square times the curvature: second partials may then be 0, as a plane's are.
+// The same for that square times the curvature: second partials may then be 0, as on a plane.
 template <class S>
 auto second_partials_underflow(const ShapeOperator<S>& s) {
   using std::abs;
@@ -252,7 +253,7 @@ auto second_partials_underflow(const ShapeOperator<S>& s) {
   return squares_underflow(s.e, s.f, s.g) || underflows(S(curvature * shorter * shorter), curvature);
 }
 
-// Whether the formula of a surface type runs over 40 digits: a user's may not.
+// Whether the formula of a surface type compiles with 40-digit numbers. A user's formula may not.
 template <class X>
 constexpr bool runs_in_40_digits = [] {
   if constexpr (ParametricSurface<X>)
@@ -264,7 +265,7 @@ constexpr bool runs_in_40_digits = [] {
     return true;
 }();
 
-// Whether it runs over nested dual numbers, and so at poles and collapsed edges.
+// Whether it compiles with nested dual numbers, which poles and collapsed edges require.
 template <class X, class S>
 constexpr bool runs_over_nested_duals = [] {
   if constexpr (ParametricSurface<X>)
@@ -276,8 +277,8 @@ constexpr bool runs_over_nested_duals = [] {
     return true;
 }();
 
-// The jet of a surface at a regular point in 40 digits, and the frame that one in S stands for: t and n lie
-// on its sides.
+// The jet of a surface at a regular point in 40 digits, and its frame, with t and n oriented as in the given
+// frame in S.
 struct WideForms {
   Jet2<Multiprecision> jet;
   Frame<Multiprecision> frame;
@@ -344,7 +345,8 @@ ShapeOperator<S> limit_shape_operator(const X& surface, S u, S v, const Jet2<S>&
     return {};
   }
 }
-// Whether terms of a regular point left the range, so that the limit beside it stands for it.
+// Whether terms at a regular point are out of range, so that the limit at the neighbouring singular point
+// replaces it.
 template <class S>
 bool left_range(const ShapeOperator<S>& s, const Jet2<S>& j, const Frame<S>& frame) {
   return !finite(s) && finite(frame.n) && finite(j.d2pdu2) && finite(j.d2pduv) && finite(j.d2pdv2);
@@ -359,7 +361,7 @@ bool loses_digits(const ShapeOperator<S>& s) {
          second_partials_underflow(s);
 }
 
-// The shape operator in S, and where that cannot hold it or has lost digits, in 40 digits.
+// The shape operator in S; in 40 digits if S overflows or has lost digits.
 template <class S>
 struct ShapeAt {
   ShapeOperator<S> narrow;
@@ -380,13 +382,13 @@ struct ShapeAt {
 }  // namespace detail
 
 /// The shape operator of a surface at (u, v), from its jet and frame there. If the frame is flagged
-/// limit_frame (poles, collapsed edges), it is the limit, from derivatives to fourth order by nested dual
-/// numbers, within a few dozen roundings of its terms. The same holds at a regular point so close to such a
-/// point that terms leave the range of the scalar. Elsewhere it is that of the jet. It is computed again in
-/// 40 digits if its terms cancel, if squares of first partials underflow, or if terms leave the range beside
-/// a point without a limit (see curvature()). NaN if there is none: at the apex of a cone and wherever else
-/// the curvature grows without bound; where d2pduv vanishes with dpdu; or where those derivatives do not
-/// exist. \param surface a surface type, or AnySurface
+/// limit_frame (poles, collapsed edges), it is the limit, computed from derivatives up to fourth order by
+/// nested dual numbers, accurate to a few dozen roundings of its terms. The same is done at regular points so
+/// close to such a point that terms overflow or underflow. Elsewhere it is computed from the jet, and again
+/// in 40 digits if its terms cancel, if squares of first partials underflow, or if terms are out of range
+/// near a point without a limit (see curvature()). NaN if there is no limit: at the apex of a cone and
+/// wherever else the curvature is unbounded; where d2pduv vanishes together with dpdu; or where those
+/// derivatives do not exist. \param surface a surface type, or AnySurface
 template <class X, std::floating_point S>
 ShapeOperator<S> shape_operator(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   const detail::ShapeAt<S> at(surface, u, v, j, frame);
@@ -404,9 +406,9 @@ requires(detail::MixedCoordinates<U, V>&& std::is_class_v<X>)
   return shape_operator(surface, static_cast<double>(u), static_cast<double>(v));
 }
 
-/// The second form of a surface at (u, v), from its jet and frame there, within the bound of curvature.h. The
-/// plain one of forms.h loses digits if terms cancel; this one is then computed again in 40 digits. \param
-/// surface a surface type, or AnySurface
+/// The second form of a surface at (u, v), from its jet and frame there, within the error bound of
+/// curvature.h. second_form() of forms.h loses digits if terms cancel; this one is then recomputed in 40
+/// digits. \param surface a surface type, or AnySurface
 template <class X, std::floating_point S>
 SecondForm<S> second_form(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   const SecondForm<S> form = second_form(j, frame.n);
@@ -422,7 +424,7 @@ SecondForm<S> second_form(const X& surface, S u, S v, const Jet2<S>& j, const Fr
     }
   return form;
 }
-/// L = n·d2pdu2, M = n·d2pduv, N = n·d2pdv2 at (u, v), lengths. Costs jet() and frame(), and 50 us where
+/// L = n·d2pdu2, M = n·d2pduv, N = n·d2pdv2 at (u, v), lengths. Cost: jet() and frame(), plus 50 us if
 /// terms cancel.
 template <class X, std::floating_point S>
 requires std::is_class_v<X> SecondForm<S> second_form(const X& surface, S u, S v) {
@@ -434,7 +436,7 @@ requires(detail::MixedCoordinates<U, V>&& std::is_class_v<X>) SecondForm<double>
   return second_form(surface, static_cast<double>(u), static_cast<double>(v));
 }
 
-/// The derivatives of the normal likewise.
+/// The derivatives of the normal, from jet and frame.
 template <class X, std::floating_point S>
 NormalDerivatives<S> normal_derivatives(const X& surface, S u, S v, const Jet2<S>& j, const Frame<S>& frame) {
   const detail::ShapeAt<S> at(surface, u, v, j, frame);
@@ -443,8 +445,8 @@ NormalDerivatives<S> normal_derivatives(const X& surface, S u, S v, const Jet2<S
   return {detail::rounded_to<S>(d.dndu), detail::rounded_to<S>(d.dndv)};
 }
 
-/// dndu = -S dpdu, dndv = -S dpdv at (u, v), without units; the limits at poles and collapsed edges. Costs
-/// shape_operator().
+/// dndu = -S dpdu, dndv = -S dpdv at (u, v), without units; limits at poles and collapsed edges. Cost: that
+/// of shape_operator().
 template <class X, std::floating_point S>
 requires std::is_class_v<X> NormalDerivatives<S> normal_derivatives(const X& surface, S u, S v) {
   return normal_derivatives(surface, u, v, detail::jet_of(surface, u, v), detail::frame_of(surface, u, v));

@@ -1,7 +1,7 @@
 /// \file spline.h
-/// What Bézier and B-spline curves and patches share: knot vectors, the de Casteljau and de Boor recurrences
-/// with their hodographs, and rational derivatives. Every degree from 1 to max_spline_degree, any scalar with
-/// an order.
+/// Common code of Bézier and B-spline curves and patches: knot vectors, the de Casteljau and de Boor
+/// recurrences with their hodographs, and rational derivatives. Degrees 1 to max_spline_degree, any ordered
+/// scalar.
 #pragma once
 
 #include <array>
@@ -43,12 +43,12 @@ std::vector<Vec3<To>> lift_points(const std::vector<Vec3<From>>& list) {
   return result;
 }
 
-// Equality by order alone.
+// Equality, using only the order relation.
 template <class S>
 bool equal(const S& a, const S& b) {
   return !(a < b) && !(b < a);
 }
-// Zero by order alone. NaN is not. Lanes some of which are zero go by themselves.
+// Whether x is zero, using only the order relation; false for NaN. If any lane is zero, the batch diverges.
 template <class S>
 bool is_zero(const S& x) {
   if constexpr (Lanewise<S>) {
@@ -66,7 +66,7 @@ bool vanishes(const Vec3<S>& a) {
     return is_zero(a.x) && is_zero(a.y) && is_zero(a.z);
 }
 
-// A number for messages.
+// A number as text for messages.
 template <class T>
 std::string text_of(const T& x) {
   if constexpr (requires { Scalar<T>::value(x); }) {
@@ -78,7 +78,7 @@ std::string text_of(const T& x) {
   }
 }
 
-// The number by which the span of t is found: t itself. A scalar that stands for many numbers brings its own.
+// The number that determines the span of t: t itself. SIMD scalars provide their own.
 template <class S>
 const S& span_place(const S& t) {
   return t;
@@ -99,7 +99,7 @@ struct Homogeneous {
   friend Homogeneous operator*(const S& k, const Homogeneous& x) { return {k * x.a, k * x.w}; }
 };
 
-// The place in a list where a span begins: of each number that a scalar stands for, one.
+// The index in a list where a span begins: one per lane of the scalar.
 template <class S>
 struct SpanPlace {
   int at = 0;
@@ -131,7 +131,7 @@ struct SpanPlace {
   }
 };
 
-// A degree that the compiler knows, for numbers of the machine and degrees that most have, else an int.
+// A compile-time degree for built-in numbers and common degrees, otherwise an int.
 template <int n>
 using Known = std::integral_constant<int, n>;
 template <class Degree>
@@ -145,7 +145,7 @@ constexpr Known<a - b> minus(Known<a>, Known<b>) {
 constexpr int minus(int a, int b) {
   return a - b;
 }
-// f(0) ... f(n - 1), one after the other where the compiler knows n.
+// Calls f(0) ... f(n - 1); unrolled if n is a compile-time constant.
 template <int n, class F>
 constexpr void repeat(Known<n>, const F& f) {
   [&]<int... i>(std::integer_sequence<int, i...>) {
@@ -158,7 +158,7 @@ constexpr void repeat(int n, const F& f) {
   for (int i = 0; i < n; ++i) f(i);
 }
 
-// n values of a type, which begin without one where the type allows it.
+// n values of a type, uninitialised if the type permits it.
 template <class Value, int n>
 struct Room {
   Room() {}  // NOLINT: without a value
@@ -168,7 +168,7 @@ struct Room {
     Value at[n];
   };
 };
-// The points of a window of a spline.
+// The control points that affect one span of a spline (its window).
 template <class Point, class Degree>
 using ControlWindow =
     std::conditional_t<std::is_trivially_copyable_v<Point>, Room<Point, most_of<Degree> + 1>,
@@ -181,13 +181,13 @@ auto with_degree(int p, const F& f) {
     if (p == 3) return f(Known<3>{});
   return f(p);
 }
-// The weights of de Boor's recurrence at a place of a span, taken once for all points of a window: at level l
-// = 1 ... degree
+// The weights of de Boor's recurrence at a parameter in a span, computed once for all points of a window: at
+// level l = 1 ... degree
 //   x_j = below(l, j) x_j + above(l, j) x_{j+1},  j = 0 ... degree - l.
-// The derivative of order o has the levels from o + 1 on; the points of the next are slope(o, j) (x_{j+1} -
-// x_j).
+// The derivative of order o uses the levels from o + 1 on; the points of the next derivative are slope(o, j)
+// (x_{j+1} - x_j).
 
-// [0, 1] with all knots at its ends: de Casteljau's.
+// [0, 1] with all knots at its ends: the de Casteljau recurrence.
 template <class S>
 struct BezierWeights {
   int degree;
@@ -196,7 +196,7 @@ struct BezierWeights {
   const S& below(int, int) const { return rest; }
   const S& above(int, int) const { return t; }
   S slope(int order, int) const { return lift<S>(static_cast<double>(degree - order)); }
-  // Whether the place lies in the upper half.
+  // Whether t lies in the upper half.
   auto upper() const { return span_place(S(lift<S>(0.5))) < span_place(t); }
 };
 
@@ -210,12 +210,12 @@ struct BezierSpan {
   }
 };
 
-// One span of a B-spline: its place.
+// A parameter t in one span of a B-spline.
 template <class S, class T>
 struct KnotSpan {
   S t;
   const std::vector<T>* list;
-  SpanPlace<S> first;  // of its control points, and of 2p + 2 knots, knot p <= t < knot p + 1
+  SpanPlace<S> first;  // start of its control points, and of 2p + 2 knots with knot p <= t < knot p + 1
 
   template <class Degree, int orders>
   auto weights(Degree p, Known<orders> to) const;
@@ -228,7 +228,7 @@ struct KnotWeights {
   std::array<S, most*(most + 1) / 2> below_, above_;
   std::array<std::array<S, most>, orders> slope_;
 
-  /// \param orders of derivatives that are wanted
+  /// \param orders highest order of derivatives required
   template <class T>
   KnotWeights(Degree p, Known<orders>, const KnotSpan<S, T>& span) : degree(p), t(span.t) {
     std::array<S, 2 * most + 2> knots{};
@@ -258,8 +258,8 @@ auto KnotSpan<S, T>::weights(Degree p, Known<orders> to) const {
   return KnotWeights<S, Degree, orders>(p, to, *this);
 }
 
-// The derivative of an order <= the degree at the place, of its degree + 1 - order points. At t at a Bézier
-// end or a knot of full multiplicity it is the control point there, exactly.
+// The derivative of an order <= the degree at t, from its degree + 1 - order points. At a Bézier end or a
+// knot of full multiplicity, it is exactly the control point there.
 template <class Point, class Degree, class Order, class Weights>
 Point de_boor(ControlWindow<Point, Degree> x, Degree degree, Order order, const Weights& weights) {
   const auto levels = minus(degree, order);
@@ -271,7 +271,7 @@ Point de_boor(ControlWindow<Point, Degree> x, Degree degree, Order order, const 
   return x[0];
 }
 
-// A spline and its derivatives up to `count` - 1.
+// A spline and its derivatives up to order `count` - 1.
 template <int count, class Point, class Degree, class Weights>
 std::array<Point, count> spline_derivatives(ControlWindow<Point, Degree>& x, Degree degree,
                                             const Weights& weights) {
@@ -288,8 +288,8 @@ std::array<Point, count> spline_derivatives(ControlWindow<Point, Degree>& x, Deg
   (std::make_integer_sequence<int, count>{});
 }
 
-// Weights count up to a common factor: their largest is brought near 1 by a power of two; none where all are
-// equal.
+// Normalises weights, which matter only up to a common factor: a power of two brings the largest near 1.
+// Empty if all are equal.
 template <class T>
 void normalise_weights(std::vector<T>& weights) {
   double largest = 0;
@@ -306,7 +306,7 @@ void normalise_weights(std::vector<T>& weights) {
   for (T& w : weights) w = scaled_by_power_of_two(w, -e);
 }
 
-// What is wrong with control points and weights, empty when nothing is.
+// Why control points or weights are invalid; empty if they are valid.
 template <class T>
 std::string refuse_net(std::size_t expected, const std::vector<Vec3<T>>& points,
                        const std::vector<T>& weights) {
@@ -353,7 +353,7 @@ std::string refuse_knots(int degree, const std::vector<T>& knots) {
       return "knot " + text_of(knots[i]) +
              ": expected a multiplicity of at most degree + 1 = " + std::to_string(degree + 1) + ", got more";
   }
-  // KnotVector divides by half of the interval's length, which must not round to 0.
+  // KnotVector divides by half the length of the interval, which must not underflow to 0.
   if (!(knots[degree] / T(2) < knots[knots.size() - 1 - degree] / T(2)))
     return "expected knots that enclose an interval, got none that do";
   return {};
@@ -361,9 +361,9 @@ std::string refuse_knots(int degree, const std::vector<T>& knots) {
 
 }  // namespace detail
 
-/// Knots 0 (degree + 1 times), equally spaced ones, 1 (degree + 1 times), for `count` control points: the
-/// curve begins and ends in its first and last one. \throws ParameterError unless degree >= 0 and count >
-/// degree
+/// Knots 0 (degree + 1 times), equally spaced ones, 1 (degree + 1 times), for `count` control points. The
+/// curve begins and ends at its first and last control point. \throws ParameterError unless degree >= 0 and
+/// count > degree
 template <class T = double>
 std::vector<T> clamped_knots(int degree, int count) {
   static_assert(!std::is_integral_v<T>, "knots between 0 and 1 are no integers");
@@ -379,8 +379,8 @@ std::vector<T> clamped_knots(int degree, int count) {
   return knots;
 }
 
-/// The knots of a B-spline of one variable, mapped to the domain [0, 1] of its coordinate: (knot - k_p)/(k_n
-/// - k_p), p the degree and n the number of control points. Its owner has checked the knots by refusal().
+/// The knots of a univariate B-spline, mapped to the domain [0, 1]: (knot - k_p)/(k_n - k_p), p the degree
+/// and n the number of control points. The owner must have checked the knots with refusal().
 template <class T = double>
 class KnotVector {
  public:
@@ -388,24 +388,24 @@ class KnotVector {
   /// \param knots accepted by refusal()
   KnotVector(int degree, std::vector<T> knots) : degree_(degree), knots_(std::move(knots)) {
     const T start = knots_[degree_], end = knots_[count()];
-    // Halves, so that the length is representable whatever the ends.
+    // Use halves, so that the length is representable for any ends.
     const T length = end / T(2) - start / T(2);
     if (!(start == T(0) && end == T(1)))
       for (T& k : knots_) k = k == end ? T(1) : (k / T(2) - start / T(2)) / length;
     creases_ = has_creases();
   }
-  /// What is wrong with degree and knots; empty when nothing is: a degree out of range, too few knots, a
-  /// decreasing or non-finite one, a multiplicity above degree + 1, an empty domain.
+  /// Why degree and knots are invalid; empty if they are valid. Checks for a degree out of range, too few
+  /// knots, a decreasing or non-finite one, a multiplicity above degree + 1, an empty domain.
   static std::string refusal(int degree, const std::vector<T>& knots) {
     return detail::refuse_knots(degree, knots);
   }
 
   int degree() const { return degree_; }
-  /// The number of control points that belong to the knots.
+  /// The number of control points for these knots.
   int count() const { return static_cast<int>(knots_.size()) - degree_ - 1; }
   const std::vector<T>& knots() const { return knots_; }
 
-  /// The knots between 0 and 1, each once: where the spline is only piecewise smooth.
+  /// The distinct knots strictly between 0 and 1, where the spline is only piecewise smooth.
   std::vector<double> breaks() const {
     std::vector<double> result;
     for (const T& k : knots_)
@@ -423,8 +423,8 @@ class KnotVector {
     return result;
   }
 
-  /// The index m with knot m <= t < knot m + 1, found from the value of t; the first or last span outside [0,
-  /// 1) and for t = 1. At a knot it is the span above.
+  /// The index m with knot m <= t < knot m + 1, found from the value of t. Outside [0, 1) it is the first or
+  /// last span. At a knot it is the span above.
   template <class S>
   int find(const S& at) const {
     using detail::span_place;
@@ -440,7 +440,7 @@ class KnotVector {
     }
     return not_empty(below);
   }
-  /// The span nearest to span m that is not empty, below it first.
+  /// The nearest non-empty span at or below span m; if there is none, the first one above.
   int not_empty(int m) const {
     while (m > degree_ && !(knots_[m] < knots_[m + 1])) --m;
     while (!(knots_[m] < knots_[m + 1])) ++m;
@@ -452,13 +452,13 @@ class KnotVector {
     return {t, &knots_, detail::SpanPlace<S>::find(*this, t) + -degree_};
   }
 
-  /// Status::crease at an interior knot whose multiplicity is the degree or more: there first derivatives may
-  /// jump, and those from above are given.
+  /// Status::crease at an interior knot with multiplicity equal to the degree or more: first derivatives may
+  /// be discontinuous there, and those from above are returned.
   template <class S>
   Status singular(const S& t) const {
     if constexpr (requires {
                     S::diverge();
-                  }) {  // lanes at an interior knot go by themselves where one is a crease
+                  }) {  // any lane at an interior knot, where one of them is a crease: the batch diverges
       if (!creases_) return Status::regular;
       const S knot = detail::SpanPlace<S>::find(*this, t).number(knots_);
       if ((t == knot && S(knots_[degree_]) < knot).any()) S::diverge();
@@ -471,7 +471,7 @@ class KnotVector {
   /// The degree + 1 basis functions that do not vanish at t, by the recurrence of their definition
   ///   N_{i,0} = 1 on its span, N_{i,q} = (t - k_i)/(k_{i+q} - k_i) N_{i,q-1}
   ///     + (k_{i+q+1} - t)/(k_{i+q+1} - k_{i+1}) N_{i+1,q-1},
-  /// a fraction with a zero denominator counting as zero. [Cox1972], [deBoor1972]
+  /// where a fraction with a zero denominator counts as zero. [Cox1972], [deBoor1972]
   /// \param first the index of the first of them
   template <class S>
   std::array<S, max_spline_degree + 1> basis(const S& t, int& first) const {

@@ -1,6 +1,6 @@
 /// \file spline_patch.h
-/// What Bézier and B-spline patches share: the window of a control net at (u, v), its columns, and the jet
-/// of their tensor product, rational or not.
+/// Common code of Bézier and B-spline patches: the window of a control net at (u, v), its columns, and the
+/// jet of the tensor product, rational or not.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 namespace darboux::detail {
 
 // f(degree_u, degree_v)
-// Not for second derivatives: seldom asked for, and each pair of degrees takes long to compile.
+// Not for second derivatives: they are rarely requested, and each pair of degrees is slow to compile.
 template <int order, class S, class F>
 auto with_degrees(int p, int q, const F& f) {
   if constexpr (Binary<S> && order < 2) {
@@ -26,8 +26,8 @@ auto with_degrees(int p, int q, const F& f) {
   return f(p, q);
 }
 
-// The columns of a window of a net at a place along v, and their derivatives there to an order: f, f_v, f_vv.
-// Each is taken relative to a control point of its own, the upper or lower one of the window: its anchor.
+// The columns of a window of a net at a given v, with their derivatives up to `order`: f, f_v, f_vv. Each is
+// relative to one of its own control points, the upper or lower one of the window: its anchor.
 template <int order, class S, class Point, class Degree>
 struct Columns {
   ControlWindow<Vec3<S>, Degree> anchor;
@@ -42,7 +42,8 @@ template <class S>
 void shift(Homogeneous<S>& f, const Vec3<S>& by, bool) {
   f.a = f.a + f.w * by;
 }
-// Columns relative to one control point, which is returned: the corner of the window nearest to the place.
+// Makes the columns relative to one control point, which is returned: the corner of the window nearest to (u,
+// v).
 template <int order, class S, class Point, class Degree, class UpperU>
 Vec3<S> share_anchor(Columns<order, S, Point, Degree>& columns, Degree p, const UpperU& upper_u) {
   const Vec3<S> shared = choose(upper_u, columns.anchor[p], columns.anchor[0]);
@@ -70,7 +71,7 @@ std::array<Point, 6> tensor_partials(std::array<ControlWindow<Point, Degree>, or
   }
 }
 
-// A surface from partials of the net relative to `anchor`, to an order; zero beyond it.
+// The surface jet up to `order` from partials of the net relative to `anchor`; higher partials are zero.
 template <int order, class S>
 Jet2<S> jet_of(const Vec3<S>& anchor, const std::array<Vec3<S>, 6>& f) {
   return {anchor + f[0], f[1], f[2], f[3], f[4], f[5]};
@@ -94,7 +95,7 @@ Jet2<S> jet_of(const Vec3<S>& anchor, const std::array<Homogeneous<S>, 6>& f) {
   return j;
 }
 
-// A ratio of weights from which on partials may be known worse than to a few roundings.
+// The ratio of weights above which partials may have errors of more than a few roundings.
 inline constexpr double weights_far_apart = 0x1p12;
 template <class T>
 bool are_far_apart(const std::vector<T>& weights) {
@@ -107,8 +108,8 @@ bool are_far_apart(const std::vector<T>& weights) {
   return !(most < T(weights_far_apart) * least);
 }
 
-// The part of a patch's control net that counts at a place, over the scalar of the place: its point (i, j), i
-// up to degree_u and j up to degree_v, is the net's at first + i row + j.
+// The part of a control net that affects the patch at (u, v), over the scalar of (u, v). Its point (i, j),
+// with i up to degree_u and j up to degree_v, is the point first + i row + j of the net.
 template <class S, class T>
 struct NetWindow {
   const std::vector<Vec3<T>>& net_points;
@@ -154,9 +155,9 @@ struct NetWindow {
   }
 };
 
-// The partials of a (rational) tensor product patch to an order, from the columns of its net. Positions are
-// taken relative to control points: what is far from the origin loses nothing, a corner is met exactly, and
-// along a collapsed edge the partial is exactly zero, whatever the weights.
+// The partials of a (rational) tensor product patch up to `order`, from the columns of its net. Positions are
+// relative to control points, so patches far from the origin lose no accuracy, corners are interpolated
+// exactly, and along a collapsed edge the partial is exactly zero, whatever the weights.
 template <int order, class S, class Point, class Degree, class Weights>
 Jet2<S> jet_of_columns(Columns<order, S, Point, Degree>& columns, Degree p, const Weights& u) {
   const Vec3<S> anchor = share_anchor(columns, p, u.upper());
@@ -183,8 +184,8 @@ concept HasNet = requires(const X& x, const typename X::scalar& t) {
   x.net(x.span_u(t), x.span_v(t));
 };
 
-// By how many roundings, in order of magnitude, the first partials of a rational patch may err because hu.a
-// and hu.w p cancel in them. 1 unless the weights are so far apart that this may matter.
+// The order of magnitude, in roundings, of the error of the first partials of a rational patch due to
+// cancellation of hu.a and hu.w p. 1 unless the ratio of weights is so large that this may matter.
 template <class Patch, class U, class V>
 auto partials_condition(const Patch& patch, const U& u, const V& v) {
   using S = std::remove_cvref_t<decltype(u.t)>;
@@ -231,14 +232,14 @@ Vec3<S> patch_position(const NetWindow<S, T>& net, const Basis& a, const Basis& 
   return sum / total;
 }
 
-// dpdu_zero and dpdv_zero of a patch where (u, v) lies on a collapsed edge: the partial is exactly zero
-// there, where the control points that count are one point.
+// dpdu_zero and dpdv_zero of a patch if (u, v) lies on a collapsed edge: the partial is exactly zero where
+// all contributing control points coincide.
 template <class Patch, class S>
 Status collapsed_edges(const Patch& patch, const S& u, const S& v) {
   Status result = Status::regular;
   if constexpr (!requires {
                   S::diverge();
-                }) {  // lanes whose partials vanish diverge when their frame is made
+                }) {  // batches with vanishing partials diverge when the frame is computed
     const S zero = lift<S>(0.0), one = lift<S>(1.0);
     if (!equal(u, zero) && !equal(u, one) && !equal(v, zero) && !equal(v, one)) return result;
     const Jet2<S> j = patch.template jet_to<1>(u, v);

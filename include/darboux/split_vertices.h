@@ -1,5 +1,5 @@
 /// \file split_vertices.h
-/// Values of corners, tangents above all, as values of vertices.
+/// Converts values per corner, such as tangents, to values per vertex by splitting vertices.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@
 
 namespace darboux {
 
-/// Vertices so split that all corners of each have the same values.
+/// The result of splitting: all corners of a new vertex have the same values.
 struct SplitVertices {
-  /// What `corner` says of a vertex that no corner uses.
+  /// The value of `corner` for a vertex that no corner uses.
   static constexpr std::uint32_t no_corner = std::numeric_limits<std::uint32_t>::max();
 
   std::vector<std::uint32_t> source;  ///< new vertex i has the attributes of old vertex source[i]
@@ -20,20 +20,20 @@ struct SplitVertices {
   std::vector<std::uint32_t> indices;  ///< the new vertex of each corner: the new index buffer
 };
 
-/// Splits vertices where values of their corners differ, so that a method that gives every corner a tangent
-/// of its own can be stored one per vertex.
+/// Splits vertices where values of their corners differ, so that tangents computed per corner can be stored
+/// per vertex.
 ///
-/// Corners at one vertex need not have one tangent: at a seam, a mirror fold or a crease they have several.
-/// Writing them through the old index buffer, tangents[indices[c]] = t[c], is a trap: the last corner written
-/// wins, and the others are shaded with a tangent of the wrong island, often of the wrong sign. Such vertices
-/// must be split, and the index buffer with them.
+/// Corners at one vertex can have different tangents: at a seam, a mirror fold or a crease. Do not write them
+/// through the old index buffer, tangents[indices[c]] = t[c]: the last corner wins, and the others are shaded
+/// with a tangent of the wrong island, often with the wrong sign. Such vertices must be split, and the index
+/// buffer adapted.
 ///
-/// Old vertices keep their place, source[i] = i for i < vertices, used or not. The values of a vertex's first
-/// corner stay with it; every further distinct list of values makes one new vertex, in the order of corners.
-/// So nothing changes where nothing differs. Values are compared by their bits: 0 and -0 differ, and a NaN
-/// equals a NaN of the same bits.
+/// Old vertices keep their index, source[i] = i for i < vertices, whether used or not. A vertex keeps the
+/// values of its first corner; every further distinct list of values creates one new vertex, in the order of
+/// corners. So nothing changes if nothing differs. Values are compared by their bits: 0 and -0 differ, and a
+/// NaN equals a NaN of the same bits.
 ///
-/// \param vertices how many there are \param corners the vertex of each corner: the old index buffer
+/// \param vertices the number of old vertices \param corners the vertex of each corner: the old index buffer
 /// \param values the same number of values per corner, corner after corner: say x, y, z and w of its tangent,
 /// then the deltas of morph targets; empty: nothing is split. Cost: linear, and m log m of the m corners at
 /// vertices that are split, whatever the values. \throws MeshError when a corner names no vertex, values

@@ -1,6 +1,6 @@
 /// \file stability.h
-/// Numerical stability: how errors, in units of roundoff, grow as a question gets harder. For each route
-/// there is a curve with its bound and its condition. Target darboux::fit.
+/// Numerical stability: how errors, in units of roundoff, grow as a problem becomes harder. For each route
+/// there is a curve of errors with bounds and condition numbers. Target darboux::fit.
 #pragma once
 
 #include <array>
@@ -17,10 +17,10 @@
 
 namespace darboux {
 
-/// Who answers: surfaces at points, methods over meshes, fits to points.
+/// What is evaluated: surfaces at points, methods on meshes, fits to points.
 enum class StabilityDomain : std::uint8_t { evaluation, meshes, fits };
 
-/// What makes a question hard, by degrees: x from `from`, where it is easy, to `to`, on a logarithmic scale.
+/// A parameter x that makes a problem harder: from `from`, where it is easy, to `to`, on a logarithmic scale.
 struct StabilitySweep {
   std::string_view name, unit, summary;
   double from, to;
@@ -33,7 +33,7 @@ std::span<const StabilitySweep> stability_sweeps();
 /// \throws ParameterError listing the known names
 const StabilitySweep& find_stability_sweep(std::string_view name);
 
-/// What is compared, as JSON names it; each is the worst of several members.
+/// The quantities that are compared, by their names in JSON; each is the worst of several members.
 inline constexpr std::array<std::string_view, 10> stability_quantities{
     "position",           // P
     "partials",           // dpdu, dpdv
@@ -46,31 +46,31 @@ inline constexpr std::array<std::string_view, 10> stability_quantities{
     "fitted_parameters",  // of a closed surface fitted to points
     "fitted_frames"};     // its normals
 
-/// A point at which a route is asked.
+/// A point at which a route is evaluated.
 struct StabilityPoint {
   const AnySurface& surface;
   double u, v;
   std::array<double, 2> length;  ///< over which the surface varies like a whole turn along u, v: for steps
 };
 
-/// What a route says; what it does not say is absent.
+/// The result of a route; quantities that it does not compute are absent.
 struct StabilityAnswer {
   std::array<std::optional<Vec3<double>>, 6> partials;  ///< in the order of Jet2
-  std::array<double, 6> estimate{};                     ///< the route's own, of the error of each
+  std::array<double, 6> estimate{};                     ///< the route's own error estimate of each
   std::optional<Frame<double>> frame;                   ///< n on the side of the surface's own frame
   /// K; H; κ1, κ2; both directions; dndu; dndv; E, F, G; L, M, N; the Christoffel symbols. Empty: not said.
   std::array<std::vector<double>, 9> forms;
 };
 
-/// What is promised of a route's errors.
+/// The bound that a route's errors should satisfy.
 enum class StabilityBound : std::uint8_t {
-  stated,    ///< what `darboux check` holds the surface to
+  stated,    ///< the bound that `darboux check` tests
   dual,      ///< 16u (1 + condition)
   estimate,  ///< four times the route's own estimate, and 8u (1 + condition)
-  none       ///< no promise: its errors are shown against what Darboux promises
+  none       ///< no bound: errors are shown relative to Darboux's bound
 };
 
-/// A way from (u, v) to numbers.
+/// A method that computes the quantities at (u, v).
 struct StabilityRoute {
   std::string_view name, summary;
   StabilityBound bound;
@@ -86,7 +86,7 @@ std::span<const StabilityRoute> stability_routes();
 /// \throws ParameterError listing the known names
 const StabilityRoute& find_stability_route(std::string_view name);
 
-/// One error as x goes from easy to hard, with its bound and its condition, all in one unit.
+/// An error as a function of x, with its bound and its condition, all in the same unit.
 ///
 /// Evaluation: the error is in units of the route's roundoff, relative to the scale of the quantity. The
 /// scale of a partial is its largest magnitude over the surface, or its own magnitude if that is larger; that
@@ -108,8 +108,8 @@ struct StabilityCurve {
   std::string surface;  ///< as AnySurface::specification() writes it
   std::string_view sweep, route, quantity;
   bool own;  ///< the route has a bound to keep
-  /// For each x, those of the point and member with the largest error / bound. An infinite error: there was
-  /// no number. A NaN bound: none is stated there.
+  /// For each x, the values at the point and member with the largest error / bound. An infinite error means
+  /// that there was no finite result; a NaN bound, that no bound is stated there.
   std::vector<double> x, error_u, condition, bound_u;
   bool within_bound = true;
   struct Worst {

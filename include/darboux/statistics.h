@@ -23,11 +23,11 @@ struct Counted {
   double value;
   std::uint32_t count;
 };
-/// The same of counted values, in linear time too.
+/// The same for counted values, also in linear time.
 Statistics summarise(std::vector<Counted>& values);
 
-/// Standard deviations summed up. One that is infinite makes the maximum infinite, and is counted; the rms is
-/// that of the others.
+/// Maximum and rms of standard deviations. An infinite one makes the maximum infinite and is counted; the rms
+/// covers the others.
 class Spread {
  public:
   void add(double deviation, std::size_t times = 1) {

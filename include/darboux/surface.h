@@ -1,6 +1,6 @@
 /// \file surface.h
-/// What a parametric surface is: a position with its partials, a frame, a status, and the concept that a
-/// surface type fulfils. A surface knows no engine.
+/// Parametric surfaces: position with partial derivatives, frame, status, and the concept that a surface type
+/// satisfies. Independent of any rendering engine.
 #pragma once
 
 #include <array>
@@ -20,16 +20,15 @@
 
 namespace darboux {
 
-/// How a coordinate in [0, 1] runs, and in which form the formula receives it.
+/// The kind of a coordinate in [0, 1]: its period, and the form in which the formula receives it.
 enum class Coordinate {
-  linear,        ///< as it is; not periodic
+  linear,        ///< the number itself; not periodic
   turn,          ///< sin 2πu, cos 2πu; periodic, period 1
   half_turn,     ///< sin πv, cos πv; pole to pole, not periodic
   twisted_turn,  ///< sin πu, cos πu; period 2, and P(u + 1, v) = P(u, 1 - v)
 };
 
-/// What evaluation has to say about a point. Bits of one mask, for frames, batches, meshes and validation
-/// alike.
+/// What is special about a point. A bit mask, shared by frames, batches, meshes and validation.
 enum class Status : std::uint32_t {
   regular = 0,
   dpdu_zero = 1u << 0,          ///< dpdu vanishes (a pole of the chart)
@@ -38,12 +37,12 @@ enum class Status : std::uint32_t {
   limit_frame = 1u << 3,        ///< the frame is the limit along the given u (or v)
   no_frame = 1u << 4,           ///< no frame exists, nor a limit up to third order: the vectors are NaN
   self_intersecting = 1u << 5,  ///< the surface passes through itself here, or this is its inner part
-  crease = 1u << 6,             ///< the frame jumps here; one side's is given
+  crease = 1u << 6,             ///< the frame is discontinuous here; that of one side is given
   umbilic = 1u << 7,            ///< both principal curvatures are equal: principal directions are arbitrary
   outside_domain = 1u << 8,     ///< a non-periodic coordinate outside [0, 1]: the analytic extension is given
   non_finite_input = 1u << 9,   ///< u, v or a parameter is NaN or infinite: the vectors are NaN
   overflow = 1u << 10,          ///< a position or partial is not finite: beyond the scalar's range, or NaN
-  ill_conditioned = 1u << 11,   ///< the frame is known to fewer than half the digits
+  ill_conditioned = 1u << 11,   ///< the frame is accurate to fewer than half the digits
 };
 constexpr Status operator|(Status a, Status b) {
   return static_cast<Status>(static_cast<std::uint32_t>(a) | static_cast<std::uint32_t>(b));
@@ -76,8 +75,8 @@ struct Jet2 {
 };
 
 /// An orthonormal right-handed frame: t = dpdu/|dpdu|, n the unit normal, b = n × t.
-/// handedness = sign of det(dpdu, dpdv, n): handedness · b leans towards dpdv. Outside the domain, beyond a
-/// pole, frame and handedness are the analytic continuation instead, so that they do not jump at it.
+/// handedness = sign of det(dpdu, dpdv, n), so dpdv · (handedness b) > 0. Outside the domain, frame and
+/// handedness are continued analytically instead: they do not jump at a pole.
 template <class S>
 struct Frame {
   Vec3<S> t, b, n;
@@ -92,8 +91,8 @@ Frame<S> no_frame() {
 }
 }  // namespace detail
 
-/// The unit vectors along the coordinate curves, t = dpdu/|dpdu| and b = dpdv/|dpdv|, with the unit normal.
-/// Not orthogonal where the chart is not; handedness as in Frame.
+/// The unit tangents of the coordinate curves, t = dpdu/|dpdu| and b = dpdv/|dpdv|, and the unit normal. t
+/// and b are orthogonal only where the chart is. handedness as in Frame.
 template <class S>
 struct ParametricFrame {
   Vec3<S> t, b, n;
@@ -114,20 +113,20 @@ struct Range {
   static constexpr Range not_negative() { return {.minimum = 0, .minimum_included = true}; }
 };
 
-/// Throws the ParameterError of checked() and of every other place where a named value leaves its range.
+/// Throws the ParameterError for a named value outside its range, as checked() does.
 [[noreturn]] void throw_out_of_range(std::string_view subject, std::string_view name, double value,
                                      const Range& permitted);
 
 /// "0 < radius < inf", for messages and tables.
 std::string describe(const Range& permitted, std::string_view name);
 
-/// The magnitudes of a parameter for which the stated error bounds are proven. (Any permitted value may be
-/// used.)
+/// The magnitudes of a parameter for which the stated error bounds are proven. Other permitted values may be
+/// used, without that guarantee.
 struct Magnitudes {
   double smallest = 1e-150, largest = 1e150;
 };
 
-/// One parameter of a surface type; its default is the member's initialiser.
+/// One parameter of a surface type. Its default value is the initialiser of the member.
 template <class Surface, class T>
 struct Parameter {
   std::string_view name;
@@ -162,21 +161,21 @@ constexpr auto parameter(std::string_view name, Range permitted, std::string_vie
   return Parameter<Surface, T>{name, &detail::reach<Surface, T, first, rest...>, permitted, meaning, proven};
 }
 
-/// What a surface type says of itself.
+/// Static properties of a surface type.
 struct SurfaceInfo {
   std::string_view name;     ///< as on the command line, e.g. "torus"
-  std::string_view summary;  ///< one line for people
+  std::string_view summary;  ///< one line of text
   Coordinate u, v;
   std::array<std::string_view, 4>
       singular{};  ///< where the chart is singular, e.g. "v=0"; unused entries empty
   bool orientable = true;
-  std::optional<int> euler_characteristic{};  ///< of a closed surface
-  bool own_orientation = false;  ///< n is stated by the surface and may oppose dpdu × dpdv (a spindle torus)
+  std::optional<int> euler_characteristic{};  ///< for a closed surface
+  bool own_orientation = false;  ///< the surface chooses n, which may oppose dpdu × dpdv (spindle torus)
   double frame_error =
-      4;  ///< bound of the closed-form frame's components, in roundings times (1 + condition)
+      4;  ///< error bound of the components of the closed-form frame, in roundings times (1 + condition)
 };
 
-/// A coordinate in the form its kind hands to formulas: x itself, or a Turn.
+/// A coordinate in the form that formulas receive: x itself if linear, otherwise a Turn (sine and cosine).
 template <Coordinate kind, class S>
 auto prepare(const S& x) {
   if constexpr (kind == Coordinate::linear)
@@ -193,8 +192,7 @@ using Prepared = decltype(prepare<kind>(std::declval<S>()));
 
 namespace detail {
 
-// Whether a prepared coordinate is at or beyond the upper end of its domain, and whether it is within, beside
-// no end.
+// Whether a prepared coordinate is at or beyond the upper end of its domain; whether it is strictly inside.
 template <Coordinate kind, class P>
 bool at_upper_end(const P& x) {
   if constexpr (kind == Coordinate::linear)
@@ -214,7 +212,7 @@ bool within(const P& x) {
     return true;
 }
 
-// The k-th variable at a prepared coordinate, over the dual numbers D on its scalar; the same as a constant.
+// A prepared coordinate over the dual numbers D: as the k-th variable, or as a constant.
 template <class D, class S>
 D as_variable(const S& x, int k, Coordinate) {
   return D::variable(x, k);
@@ -227,7 +225,7 @@ Turn<D> as_variable(const Turn<S>& x, int k, Coordinate kind) {
   result.cos.derivative[static_cast<std::size_t>(k)] = -(omega * x.sin);
   return result;
 }
-// A variable whose first, second and third derivatives are carried.
+// A variable that carries derivatives up to third order.
 template <class S>
 using ThreeTimesDual = Dual<Dual<Dual<S, 1>, 1>, 1>;
 template <class S, class P>
@@ -256,13 +254,13 @@ Turn<D> as_constant(const Turn<S>& x) {
 
 namespace detail {
 
-// Whether a surface type is made of a curve along u (0) or v (1) that can be evaluated for itself.
+// Whether a surface type is built from a curve along u (0) or v (1) that can be evaluated on its own.
 template <class X, int along>
 concept HasCurveAlong = requires {
   X::curve_along;
 }
 &&X::curve_along == along;
-// The surface as it is at a place, of which partials to an order are wanted: its curve is evaluated there.
+// The surface restricted to one u or v: its curve is evaluated there once, with derivatives up to `order`.
 template <int order, class X, class PU, class PV>
 decltype(auto) at_place(const X& surface, const PU& u, const PV& v) {
   if constexpr (HasCurveAlong<X, 0>)
@@ -272,8 +270,7 @@ decltype(auto) at_place(const X& surface, const PU& u, const PV& v) {
   else
     return (surface);
 }
-// The jet of a surface, of which partials to an order are wanted: no others are computed where it offers
-// that.
+// The jet with partials up to `order`. Higher ones are skipped if the surface has jet_to().
 template <int order, class X, class PU, class PV>
 auto jet_to(const X& surface, const PU& u, const PV& v) {
   if constexpr (requires { surface.template jet_to<order>(u, v); })
@@ -282,7 +279,7 @@ auto jet_to(const X& surface, const PU& u, const PV& v) {
     return surface.jet(u, v);
 }
 
-// Whether gaussian_curvature and mean_curvature run over SIMD lanes: unless the surface says no.
+// Whether gaussian_curvature and mean_curvature run over SIMD lanes: true unless the surface says otherwise.
 template <class X>
 constexpr bool curvature_in_lanes = [] {
   if constexpr (requires { X::curvature_in_lanes; })
@@ -293,27 +290,28 @@ constexpr bool curvature_in_lanes = [] {
 
 }  // namespace detail
 
-/// A surface type: `info`, and jet(u, v) on prepared coordinates of any scalar. It may add
+/// A surface type has `info`, and jet(u, v) for prepared coordinates of any scalar. Optional members:
 ///   static constexpr auto parameters()    names, members, permitted ranges: an array of Parameter
-///   std::string refusal()                 what is wrong with the parameters together, empty when nothing is
+///   std::string refusal()                 why the parameters are invalid in combination; empty if valid
 ///   Frame<S> frame(u, v)                  a closed-form frame, with the limit at singular points
 ///   Status singular(u, v)                 the bits of Status that hold at this point
-///   Jet2<S> jet_to<order>(u, v)           jet(), the same bits, but partials beyond the order (0, 1, 2) may
-///                                         be anything: for surfaces whose partials are costly
-///   S partials_condition(u, v)            without a closed frame: by how many roundings dpdu and dpdv may
-///                                         err, if that is cheap to tell: see Status::ill_conditioned
-///   bool tangent_depends_on_u_alone()     whether t and handedness are the same at all v but the poles, with
-///                                         no status: batches that ask for nothing else then compute no
-///                                         sines of v
-///   static constexpr int curve_along      if it is made of a curve: 0 if that runs along u, 1 along v; with
-///   with_curve_at<order>(u or v)          the same surface, for points at this place only: its curve is
-///                                         evaluated once, with derivatives to that order. A derived type
-///                                         that hides jet() or frame() hides these two as well
-///   static constexpr bool curvature_in_lanes  false where the next two facts cannot run over SIMD lanes
-/// and independent facts, at least one, each from another source than jet():
-///   S implicit(Vec3<S>)                   the signed distance to first order: zero on the surface, its
-///                                         gradient n there (n or -n where the surface has one side)
-///   S gaussian_curvature(u, v)            K in closed form; curvature() takes it and H where terms cancel
+///   Jet2<S> jet_to<order>(u, v)           jet(), bit for bit, but partials above the order (0, 1 or 2) are
+///                                         unspecified: for surfaces with costly partials
+///   S partials_condition(u, v)            for surfaces without a closed frame: the error of dpdu and dpdv in
+///                                         roundings, if cheap to compute; decides Status::ill_conditioned
+///   bool tangent_depends_on_u_alone()     whether t and handedness are the same for all v except at poles,
+///                                         with no status bit: a batch that requests nothing else then skips
+///                                         the sines of v
+///   static constexpr int curve_along      for surfaces built from a curve: 0 if it runs along u, 1 if along
+///                                         v; requires
+///   with_curve_at<order>(u or v)          the surface restricted to this u (or v): its curve is evaluated
+///                                         once, with derivatives up to that order. A derived type that hides
+///                                         jet() or frame() must hide these two as well
+///   static constexpr bool curvature_in_lanes  false if the curvatures below cannot run over SIMD lanes
+/// and at least one independent fact, derived from another source than jet():
+///   S implicit(Vec3<S>)                   the signed distance to first order: zero on the surface, where its
+///                                         gradient is n (n or -n if the surface is one-sided)
+///   S gaussian_curvature(u, v)            K in closed form; curvature() uses it and H where terms cancel
 ///   S mean_curvature(u, v)                H in closed form, for the n of the frame
 ///   Vec3<S> second_formula(u, v)          the position by another formula
 /// docs/howto/add-a-surface.md shows one from start to end.
@@ -331,7 +329,7 @@ concept StatesInfo = requires {
   { X::info } -> std::convertible_to<const SurfaceInfo&>;
 };
 
-// Does not compile, and names the member that X lacks to be a surface.
+// Fails to compile, with a message that names the member that X lacks.
 template <class X>
 constexpr void name_missing_member() {
   static_assert(
@@ -415,9 +413,9 @@ struct Rebound<Surface<From>> {
 
 }  // namespace detail
 
-/// The same surface over another scalar, e.g. rebind<float>(Torus{1.0, 0.4}): parameters are lifted. A type
-/// that holds more than its parameters has a member rebind<To>() for it; one that is no template over its
-/// scalar is returned as it is.
+/// The same surface over another scalar type, e.g. rebind<float>(Torus{1.0, 0.4}). Parameters are converted
+/// by lift(). A type with data besides its parameters must have a member rebind<To>(). A type that is not a
+/// template over its scalar is returned unchanged.
 template <class To, class X>
 auto rebind(const X& surface) {
   if constexpr (requires { surface.template rebind<To>(); })
@@ -426,15 +424,15 @@ auto rebind(const X& surface) {
     return detail::Rebound<X>::template make<To>(surface);
 }
 
-/// Throws the ParameterError of a surface whose parameters do not go together.
+/// Throws the ParameterError for parameters that are invalid in combination.
 [[noreturn]] void throw_refused(std::string_view subject, std::string_view why);
 
-/// Returns the surface itself, checked. This is the one place where parameters out of range are refused;
-/// AnySurface and the command line call it too. Surface types are plain structs that take any numbers, and
-/// evaluation never throws: for parameters out of range it gives what the formula gives. In a program built
-/// without NDEBUG, frame(), sample() and evaluate() end the program with this message, if all parameters are
-/// finite and of type double. For parameters from outside write frame(checked(Torus{R, r}), u, v). \throws
-/// ParameterError naming surface and parameter, its range and its value
+/// Checks the parameters and returns the surface itself. No other function rejects parameters out of range;
+/// AnySurface and the command line call this one. Surface types are plain structs that accept any numbers,
+/// and evaluation never throws: for parameters out of range it returns what the formula gives. Without
+/// NDEBUG, frame(), sample() and evaluate() terminate the program with this message if all parameters are
+/// finite and of type double. For untrusted parameters write frame(checked(Torus{R, r}), u, v). \throws
+/// ParameterError naming the surface, the parameter, its range and its value
 template <class X>
 const X& checked(const X& surface) {
   for_each_parameter<X>([&](const auto& p) {
@@ -448,7 +446,7 @@ const X& checked(const X& surface) {
 
 namespace detail {
 
-// Calls f(number) for each parameter, and for each number of an adaptor and its base.
+// Calls f(number) for each parameter, including those of an adaptor and its base.
 template <class X, class F>
 void for_each_number(const X& surface, const F& f) {
   for_each_parameter<X>([&](const auto& p) { f(p.of(surface)); });
@@ -464,8 +462,8 @@ bool parameters_are_finite(const X& surface) {
   return finite;
 }
 
-// Ends a program built without NDEBUG that evaluates a surface whose parameters checked() refuses, with its
-// message, as assert does; nothing with NDEBUG. Numbers that are not finite have their status.
+// Like assert: without NDEBUG, terminates the program with the message of checked() if that rejects the
+// parameters. Parameters that are not finite are reported by the status instead.
 template <class X>
 void assert_permitted([[maybe_unused]] const X& surface) noexcept {
 #ifndef NDEBUG

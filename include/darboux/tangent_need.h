@@ -1,10 +1,10 @@
 /// \file tangent_need.h
-/// Which primitives of a glTF file need a tangent frame, and which carry one. Target darboux::io.
+/// Determines which primitives of a glTF file need a tangent frame, and which store one. Target darboux::io.
 ///
-/// A frame is read through a normal texture, through the normal texture of a clearcoat, and by anisotropy,
-/// with a texture or without (KHR_materials_anisotropy asks for NORMAL and TANGENT, or a normal texture).
-/// Materials of KHR_materials_variants count like the primitive's own. Points and lines read none, nor do
-/// materials with KHR_materials_unlit. TANGENT without NORMAL is ignored by viewers (glTF 2.0, 3.7.2.1).
+/// A frame is read by a normal texture, by the normal texture of a clearcoat, and by anisotropy, with or
+/// without a texture (KHR_materials_anisotropy asks for NORMAL and TANGENT, or a normal texture). Materials
+/// of KHR_materials_variants count like the primitive's own. Points and lines read none, nor do materials
+/// with KHR_materials_unlit. TANGENT without NORMAL is ignored by viewers (glTF 2.0, 3.7.2.1).
 #pragma once
 
 #include <cstddef>
@@ -17,15 +17,15 @@
 namespace darboux {
 
 enum class TangentNeed {
-  needed,   ///< read and carried
-  idle,     ///< carried, and nothing reads it
-  missing,  ///< read, and not carried
+  needed,   ///< read and stored
+  idle,     ///< stored, and nothing reads it
+  missing,  ///< read, but not stored
   none      ///< neither
 };
 
 enum class NeedLevel {
-  spec,     ///< as the specifications have it
-  factors,  ///< without what a factor of 0 switches off for good: one that an animation may change stays
+  spec,     ///< by the specifications
+  factors,  ///< ignores uses that a factor of 0 disables permanently: if an animation may change it, it stays
             ///< needed
   pixels    ///< without flat normal maps either: those of which every texel is (0, 0, 1) as far as 8 bits can
             ///< tell. Only PNG is looked at; a map that is lossy or not there stays needed, with a note
@@ -37,10 +37,10 @@ struct NeedReason {
   std::string pointer;     ///< JSON pointer to it, as "/materials/0/normalTexture"
   int texcoord = -1;       ///< the uv set of its texture, -1 without a texture
   bool transform = false;  ///< the texture has a KHR_texture_transform
-  /// A viewer can make the frame: NORMAL, a normal texture and its uv set are there. For anisotropy that is
-  /// the normalTexture of the material, as the extension has it.
+  /// A viewer can compute the frame: NORMAL, a normal texture and its uv set are present. For anisotropy that
+  /// is the normalTexture of the material, as the extension specifies.
   bool derivable = false;
-  std::string note;  ///< at NeedLevel::pixels: why its texels were not looked at
+  std::string note;  ///< at NeedLevel::pixels: why its texels were not examined
 };
 
 struct PrimitiveNeed {
@@ -73,7 +73,7 @@ struct TangentNeeds {
 
 /// Reads the document alone; at NeedLevel::pixels, the normal maps too. Cost: linear in meshes, nodes and
 /// materials, about a microsecond per primitive; some 5 ns per texel.
-/// \throws FileError for a document that contradicts itself
+/// \throws FileError for an inconsistent document
 TangentNeeds tangent_need(const GltfDocument& document, NeedLevel level = NeedLevel::spec);
 
 /// The same for a file, of which only the JSON is read; at NeedLevel::pixels, the normal maps too. Buffers
@@ -91,10 +91,10 @@ struct DroppedTangents {
   const PrimitiveNeed *before, *after;
 };
 
-/// What a tool dropped wrongly between two files. Primitives are paired one to one: first those that agree in
-/// mesh name, material name and number of triangles; then, of those left, in the first two of these; then in
-/// the last two; then in the place in the file; then any. Of several equal candidates, those with the same
-/// need are paired. Cost: n log n.
+/// The tangents that a tool wrongly dropped between two files. Primitives are paired one to one: first those
+/// that agree in mesh name, material name and number of triangles; then, among the rest, in the first two of
+/// these; then in the last two; then in their position in the file; then any. Of several equal candidates,
+/// those with the same need are paired. Cost: n log n.
 std::vector<DroppedTangents> dropped_tangents(const TangentNeeds& before, const TangentNeeds& after);
 
 }  // namespace darboux

@@ -1,7 +1,7 @@
 /// \file testing.h
-/// The laws a surface must obey, run on any surface type. One line does it:
+/// Tests the laws that every surface must satisfy, on any surface type:
 ///     EXPECT_EQ(darboux::broken_laws(MySurface{}), "");
-/// `darboux check` and the tests run these on the catalogue. Link darboux::darboux; no test framework is
+/// `darboux check` and the tests apply them to the catalogue. Link darboux::darboux; no test framework is
 /// needed.
 ///
 /// Routes, and what each compares the closed form with:
@@ -27,9 +27,9 @@
 ///   codazzi         the Mainardi-Codazzi equations, which a second form must satisfy
 ///   gauss_bonnet    ∫ K dA = 2π χ over a closed surface
 ///   periodicity     P(u + k, v) = P(u, v), bit for bit
-/// All but the facts differentiate the formula itself: a consistently wrong formula passes them, and only the
-/// facts can see it. A law that does not apply, or a fact the surface does not state, is returned as skipped,
-/// never as passed.
+/// All routes but the facts differentiate the formula itself, so a consistently wrong formula passes them;
+/// only the facts can detect it. A law that does not apply, or a fact that the surface does not state, is
+/// returned as skipped, never as passed.
 #pragma once
 
 #include <cstdint>
@@ -51,27 +51,27 @@ struct CheckOptions {
   int parameter_sets = 0;
 };
 
-/// The outcome of one law. Errors and bounds are relative to the quantity's scale: its largest magnitude over
-/// the points (of the position where it vanishes identically).
+/// The result of one law. Errors and bounds are relative to the scale of the quantity: its largest magnitude
+/// over the points (if it vanishes identically, that of the position).
 struct Check {
   std::string_view surface, route, quantity;
-  int points = 0;        ///< how many values were really compared
+  int points = 0;        ///< number of values compared
   double max_error = 0;  ///< at the point where error/bound is largest
   double bound = 0;      ///< there
   bool passed = false;
   double worst_u = 0, worst_v = 0;
-  std::string worst_surface{};  ///< with its parameters, where they vary
-  std::string skipped{};        ///< why nothing was compared; a failure where `passed` is false
+  std::string worst_surface{};  ///< with its parameters, if they vary
+  std::string skipped{};        ///< why nothing was compared; a failure if `passed` is false
 };
 
 /// The names of all routes, in the order they run.
 const std::vector<std::string_view>& check_routes();
 
-/// Runs every law on a surface. Deterministic for given options. A formula that breaks a law is reported,
-/// not thrown. \throws ParameterError for an unknown route, fewer than one point, or fewer than 0 sets
+/// Tests every law on a surface. Deterministic for given options. Violations are reported, not thrown.
+/// \throws ParameterError for an unknown route, fewer than one point, or fewer than 0 sets
 std::vector<Check> check_surface(const AnySurface& surface, const CheckOptions& options = {});
 
-/// One line for every law that does not hold: route, quantity, error, bound, where. Empty when all hold.
+/// One line per violated law: route, quantity, error, bound, location. Empty if all hold.
 std::string broken_laws(const AnySurface& surface, const CheckOptions& options = {});
 
 }  // namespace darboux

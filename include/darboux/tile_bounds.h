@@ -1,7 +1,7 @@
 /// \file tile_bounds.h
-/// What can be said of a whole tile of a surface without sampling it: how far it reaches, whether all of it
-/// faces away, how finely it must be sampled. Nothing that is seen is ever culled by these: every bound is on
-/// the safe side of the true one, rounding included.
+/// Bounds for a whole tile of a surface, without sampling it: its extent, whether it is entirely back-facing,
+/// how finely it must be sampled. All bounds are conservative, rounding included, so nothing visible is
+/// culled.
 #pragma once
 
 #include <cmath>
@@ -19,8 +19,8 @@ struct Tile {
   double u0 = 0, u1 = 1, v0 = 0, v1 = 1;
 };
 
-/// How fast a surface bends and its frame turns, at most, over a tile: upper bounds, infinite where nothing
-/// is known.
+/// Upper bounds, over a tile, of the second derivatives of the position and of the rates of the frame;
+/// infinite if unknown.
 struct TileRates {
   static constexpr double unknown = std::numeric_limits<double>::infinity();
   double position_uu = unknown, position_uv = unknown, position_vv = unknown;  ///< |d²P|
@@ -46,8 +46,8 @@ struct TileRates {
   double frame_interpolation_angle(double du, double dv) const;
 };
 
-/// Which derivatives of the frame are bounded: possibly none, where only positions count; the first; or the
-/// second too, which take the third partials.
+/// Up to which order derivatives of the frame are bounded: none, if only positions are needed; the first; or
+/// also the second, which require third partials.
 enum class TileOrder : std::uint8_t { position, first, second };
 
 namespace tiles {
@@ -90,31 +90,32 @@ struct ScaledSphere {
 
 }  // namespace tiles
 
-/// The bounds of one tile, in the surface's own space: transform the eye into it, not the tile. Sphere, torus
-/// (a ring), cylinder, cone, disk and plane have closed forms. The tile attains these bounds, so no tighter
-/// ones exist; for an ellipsoid this holds for support and the sign of facing. Construction takes 30 to 70
-/// ns, each bound 4 to 35 ns. The rest of the catalogue uses intervals with linear forms. The tile attains
-/// these bounds up to terms of second order in its size, so they are good for small tiles, unless a tile
-/// touches a pole or contains a knot. Construction takes 1 to 7 us, for splines and what is made of them 20
-/// to 50 us; support and facing 0.1 to 0.25 us, rates 2 to 4 us. (One core of a virtual machine;
-/// tests/benchmark/tile_bounds.cpp.) Extrusions, surfaces of revolution, ruled surfaces and tubes have bounds
-/// if their curves are among those that enclose() in src/scene/enclosed.cpp lists: b-splines, circles, lines,
-/// helices. Surfaces from files and user-defined types have no bounds, and must not be culled.
+/// The bounds of one tile, in the space of the surface: transform the eye point into it, not the tile.
+/// Sphere, torus (a ring), cylinder, cone, disk and plane have closed forms. The tile attains these bounds,
+/// so no tighter ones exist; for an ellipsoid this holds for support and the sign of facing. Construction
+/// takes 30 to 70 ns, each bound 4 to 35 ns. The rest of the catalogue uses intervals with linear forms. The
+/// tile attains these bounds up to terms of second order in its size, so they are good for small tiles,
+/// unless a tile touches a pole or contains a knot. Construction takes 1 to 7 us, for splines and what is
+/// made of them 20 to 50 us; support and facing 0.1 to 0.25 us, rates 2 to 4 us. (One core of a virtual
+/// machine; tests/benchmark/tile_bounds.cpp.) Extrusions, surfaces of revolution, ruled surfaces and tubes
+/// have bounds if their curves are among those that enclose() in src/scene/enclosed.cpp lists: b-splines,
+/// circles, lines, helices. Surfaces from files and user-defined types have no bounds, and must not be
+/// culled.
 class TileBounds {
  public:
-  /// \param tile within the domain of the surface; where it is not, or something is not finite, nothing is
-  /// known
+  /// \param tile within the domain of the surface; otherwise, or if something is not finite, there are no
+  /// bounds
   /// \param order second for rates() with second derivatives of the frame: on intervals construction takes 20
   /// to 60 us, of splines 80 to 170 us. Closed forms have them anyway. They are infinite where the tile holds
   /// a knot across which fewer than two derivatives of the position are continuous.
   TileBounds(const AnySurface& surface, const Tile& tile, TileOrder order = TileOrder::first);
 
-  /// Whether there are bounds. Without, those below are infinite.
+  /// Whether there are bounds. If not, the functions below return infinity.
   bool known() const { return !std::holds_alternative<std::monostate>(shape_); }
-  /// Whether support and facing come from closed forms, which the tile attains.
+  /// Whether support() and facing() come from closed forms and are sharp (attained by the tile).
   bool attained() const;
-  /// facing() changes by no more than this times the distance that the eye moves, and facing_along() by
-  /// that of the direction. Infinite where that is not known.
+  /// Lipschitz constant of facing() with respect to the eye point, and of facing_along() with respect to the
+  /// direction. Infinite if unknown.
   double facing_rate() const;
 
   /// An upper bound of direction · P over the tile: the tile lies wholly where direction · P <= support.
@@ -124,16 +125,16 @@ class TileBounds {
   double support(const Vec3<double>& direction) const;
 
   /// An upper bound, a length, of n · (eye - P), n unit: where it is negative, all of the tile faces away
-  /// from the eye. The far side of a surface that is open, or seen from inside, is visible all the same:
-  /// cull only what is single-sided and not displaced. For closed forms it exceeds the maximum by at most 32u
-  /// (|eye| + size); for ellipsoids it tells the sign alone, within that times the ratio of the longest to
-  /// the shortest semi-axis.
+  /// from the eye. The back side of a surface that is open, or seen from inside, can still be visible: cull
+  /// only surfaces that are single-sided and not displaced. For closed forms it exceeds the maximum by at
+  /// most 32u (|eye| + size); for ellipsoids it tells the sign alone, within that times the ratio of the
+  /// longest to the shortest semi-axis.
   double facing(const Vec3<double>& eye) const;
   /// The same for parallel rays: of n · towards_eye.
   double facing_along(const Vec3<double>& towards_eye) const;
 
-  /// All rates that decide how finely the tile must be sampled. Infinite for tiles with a crease inside or at
-  /// their upper end, where the frame is the one from above.
+  /// All rates that determine the sampling of the tile. Infinite for tiles with a crease inside or at their
+  /// upper end, where the frame is that from above.
   TileRates rates() const;
   /// An upper bound of the distance from the surface to the triangles of cells of size du × dv in the tile:
   /// rates().chord(du, dv).

@@ -1,5 +1,5 @@
 /// \file triangle.h
-/// One triangle with its uvs: whether it has area, which way its uvs wind, its linear map from uv to space.
+/// A triangle with uvs: degeneracy, uv winding, and the linear map from uv to space.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace darboux {
 
-/// The two triangles a method cannot use: no area in space, no area in uv. A cross product below 8u of the
-/// product of the two edge lengths counts as zero (u = 2^-53): what rounding the edges leaves of it.
+/// Whether a triangle has no area, in space or in uv. A cross product below 8u times the product of the two
+/// edge lengths counts as zero (u = 2^-53), since rounding of the edges alone can cause it.
 bool is_degenerate(const Vec3<double>& p0, const Vec3<double>& p1, const Vec3<double>& p2);
 bool is_degenerate(const Vec2<double>& uv0, const Vec2<double>& uv1, const Vec2<double>& uv2);
 
@@ -20,8 +20,8 @@ double signed_uv_area2(const Vec2<double>& uv0, const Vec2<double>& uv1, const V
 
 /// The linear map of a triangle from uv to space, [p1 - p0, p2 - p0] = [T B] [[Δu1, Δu2], [Δv1, Δv2]]:
 /// T and B approximate dpdu and dpdv, lengths included.
-/// \returns nothing where either triangle is degenerate, or where the determinant in uv, of the order of the
-/// square of its edges, under- or overflows
+/// \returns empty if the triangle is degenerate in space or uv, or if the determinant in uv, of the order of
+/// the squared edges, under- or overflows
 struct TangentPair {
   Vec3<double> t, b;
 };

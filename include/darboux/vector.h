@@ -1,5 +1,5 @@
 /// \file vector.h
-/// The plain small vectors of the library, over any scalar, and their bridge to Eigen.
+/// The small vector types of the library, over any scalar, and their conversion to Eigen.
 #pragma once
 
 #include <cmath>
@@ -29,8 +29,8 @@ struct Vec2 {
   friend constexpr Vec2 operator/(const Vec2& a, const S& k) { return {a.x / k, a.y / k}; }
 };
 
-/// A point or direction in space. Only + - * / of the scalar are used, so that S may be a dual number, a SIMD
-/// batch or a many-digit number.
+/// A point or direction in space. Uses only + - * / of the scalar, so S may be a dual number, a SIMD batch or
+/// a multiprecision number.
 template <class S>
 struct Vec3 {
   S x{}, y{}, z{};
@@ -84,7 +84,7 @@ constexpr Turn<S> doubled(const Turn<S>& a) {
   return {lift<S>(2.0) * (a.sin * a.cos), (a.cos - a.sin) * (a.cos + a.sin)};
 }
 
-// The size of a number as a double, for scaling only; 1 where its type does not tell (it then has no need of
+// The magnitude of a number as a double, for scaling only; 1 if its type provides none (it then needs no
 // scaling).
 template <class S>
 double size_of(const S& x) {
@@ -105,7 +105,7 @@ double largest_component(const Vec3<S>& a) {
   return std::fmax(size_of(a.x), std::fmax(size_of(a.y), size_of(a.z)));
 }
 
-// What rounding leaves, relative, in a number of the type of x; 0 where that is not known.
+// The relative rounding error of the type of x; 0 if unknown.
 template <class S>
 double rounding_of() {
   static_assert(!Lanewise<S>, "ask for that of Element<S>");
@@ -117,7 +117,7 @@ double rounding_of() {
     return 0;
 }
 
-// The greatest power of two not above the largest component, as an exponent; 0 for a zero or non-finite
+// The exponent of the greatest power of two not above the largest component; 0 for a zero or non-finite
 // vector.
 template <class V>
 int exponent(const V& a) {
@@ -125,7 +125,7 @@ int exponent(const V& a) {
   return m > 0 && std::isfinite(m) ? std::ilogb(m) : 0;
 }
 
-// Between small and 1/small lie the components whose squares are ordinary numbers: nothing to scale.
+// Components between small and 1/small have squares that neither overflow nor underflow: no scaling needed.
 template <class S>
 constexpr double small_component = std::same_as<S, float> ? 0x1p-38 : 0x1p-450;
 
@@ -136,7 +136,7 @@ int scale_exponent(const V<S>& a) {
   return small_component<S> < m && m < 1 / small_component<S> ? 0 : exponent(a);
 }
 
-// Whether a · a shows that there is nothing to scale, that is, that it is certain that scale_exponent is 0.
+// Whether a · a proves that no scaling is needed, that is, that scale_exponent is 0.
 template <Binary S>
 auto is_ordinary(const S& square) {
   using T = Element<S>;
@@ -202,9 +202,9 @@ requires(std::same_as<V<S>, Vec2<S>> || std::same_as<V<S>, Vec3<S>>) V<S> unit(c
   }
 }
 
-/// a b - c d. Floating-point: with an error of at most 2 ulp of the result, whatever cancels, as both
-/// products are taken exactly; for products that neither overflow nor underflow. [Jeannerod2013] has the fma
-/// form. Other scalars: as written.
+/// a b - c d. For floating-point scalars, the error is at most 2 ulp of the result, even under cancellation,
+/// since both products are computed exactly; they must neither overflow nor underflow. [Jeannerod2013] has
+/// the fma form. Other scalars: as written.
 template <class S>
 S difference_of_products(const S& a, const S& b, const S& c, const S& d) {
   if constexpr (detail::Binary<S>) {

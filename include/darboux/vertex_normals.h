@@ -1,5 +1,5 @@
 /// \file vertex_normals.h
-/// Vertex normals of triangle meshes, as tools make them where a file has none.
+/// Vertex normals of triangle meshes, as tools compute them if a file has none.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,12 @@ enum class NormalWeight : std::uint8_t {
   max,    ///< by sin(angle)/(|e1| |e2|) [Max1999]: exact where the vertices lie on a sphere
 };
 
-/// Unit normals of the vertices: unit(Σ weight unit((p1 - p0) × (p2 - p0))) over the triangles that name
-/// the vertex. Vertices at one place with different indices keep normals of their own. NaN for a vertex of no
-/// triangle with area, and where the weighted normals cancel, to below 16u of the sum of the weights (u =
-/// 2^-53): two triangles back to back have no normal. Weights neither under- nor overflow: positions are
-/// scaled by one power of two. Cost: linear, one pass over the triangles. \throws MeshError as mesh_frames
-/// does; uvs are not needed
+/// Unit vertex normals: unit(Σ weight unit((p1 - p0) × (p2 - p0))) over the triangles that use the vertex.
+/// Vertices at the same position with different indices have separate normals. NaN if a vertex has no
+/// triangle with area, or if the weighted normals cancel to below 16u of the sum of the weights (u = 2^-53),
+/// as for two triangles back to back. Weights neither underflow nor overflow: positions are scaled by a power
+/// of two. Cost: linear, one pass over the triangles. \throws MeshError as mesh_frames does; uvs are not
+/// needed
 std::vector<Vec3<double>> vertex_normals(const Mesh& mesh, NormalWeight weight);
 
 }  // namespace darboux

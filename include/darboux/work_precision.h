@@ -1,6 +1,6 @@
 /// \file work_precision.h
-/// Work against precision: how long each method takes for a frame, and how wrong the frame is; at points of a
-/// surface and on meshes of it. Target darboux::fit.
+/// Work-precision measurements: the run time and the error of each method for frames, at points of a surface
+/// and on meshes of it. Target darboux::fit.
 #pragma once
 
 #include <algorithm>
@@ -20,10 +20,10 @@
 
 namespace darboux {
 
-/// What a method answers: frames at (u, v), or frames of a mesh's corners.
+/// What a method computes: frames at (u, v), or frames at the corners of a mesh.
 enum class WorkDomain : std::uint8_t { evaluation, meshes };
 
-/// Points, and where their numbers go: an array per component of position, dpdu, dpdv, t, b, n.
+/// Points and outputs: one array per component of position, dpdu, dpdv, t, b, n.
 template <class T>
 struct WorkBatch {
   std::span<const T> u, v;
@@ -57,9 +57,9 @@ std::vector<const WorkMethod*> find_work_methods(std::string_view name);
 
 /// The quantities that can be compared. Times: nanoseconds per point or corner, and seconds for all. Errors:
 /// the largest and the root mean square of angles to the truth, in radians. At points they are those of the
-/// orthonormal frame. On meshes they are the angles of t to dpdu, b to dpdv and n to n by the stored uvs,
-/// over corners that are not at poles, for the vectors that the method makes. frame: the worst of t, b, n at
-/// a point, t on meshes. Partials and positions: relative to the longest of each, at points.
+/// orthonormal frame. On meshes they are the angles between t and dpdu, b and dpdv, and the two n, by the
+/// stored uvs, over corners that are not at poles, for the vectors that the method computes. frame: the worst
+/// of t, b, n at a point, t on meshes. Partials and positions: relative to the longest of each, at points.
 inline constexpr std::array<std::string_view, 12> work_metrics{
     "time_ns",    "seconds",    "tangent_max", "tangent_rms", "bitangent_max", "bitangent_rms",
     "normal_max", "normal_rms", "frame_max",   "frame_rms",   "partials_max",  "position_max"};
@@ -133,11 +133,11 @@ struct WorkAxes {
 /// the two are on no front.
 void mark_fronts(std::vector<WorkSample>& samples, const WorkAxes& axes = {});
 
-/// How many times as long the second takes as the first, with the interval that covers the true ratio in 95 %
-/// of all cases: the median of all quotients of a round of the one and a round of the other, and the order
-/// statistics of these that the rank-sum test does not reject. This holds for any distribution of the rounds,
-/// if they are independent and the second distribution is the first one stretched. Three rounds or fewer of
-/// each give an infinite interval. [HodgesLehmann1963]
+/// The ratio of the second run time to the first, with a 95 % confidence interval: the median of all
+/// quotients of a round of one and a round of the other (Hodges-Lehmann), and the order statistics of these
+/// quotients that the rank-sum test does not reject. This is valid for any distribution of the rounds, if
+/// they are independent and the two distributions differ only by a factor. Three rounds or fewer of each give
+/// an infinite interval. [HodgesLehmann1963]
 struct TimeRatio {
   double ratio, low, high;
 };
@@ -157,7 +157,8 @@ struct WorkComparison {
 
   bool holds() const { return verdict == "same" || verdict == "faster"; }
 };
-/// Whether two samples measure the same: surface, method, mesh, rows, and points unless one failed.
+/// Whether two samples measure the same thing: equal surface, method, mesh, rows and, unless one failed,
+/// points.
 bool same_question(const WorkSample& a, const WorkSample& b);
 /// What both runs have, in the order of `after`. \param tolerance 0.1: a tenth
 std::vector<WorkComparison> compare_work(const std::vector<WorkSample>& before,

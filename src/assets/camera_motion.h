@@ -1,5 +1,5 @@
 /// \file camera_motion.h
-/// A camera of a glTF file that an animation moves.
+/// Animated cameras of glTF files.
 #pragma once
 
 #include <optional>
@@ -24,11 +24,11 @@ class CameraMotion {
                                                 const std::vector<io::ShownNode>& shown);
 
   /// \param at of first_moved() \param camera its, at rest
-  /// \throws FileError for keys that contradict themselves
+  /// \throws FileError for inconsistent keys
   static CameraMotion of(const GltfFile& file, const std::vector<io::ShownNode>& shown, std::size_t at,
                          const Camera& camera);
 
-  /// At a share of the time from the first key to the last, 0 to 1.
+  /// The camera at a fraction of the time from the first key to the last, 0 to 1.
   Camera at(double share) const;
 
  private:

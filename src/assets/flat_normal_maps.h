@@ -1,4 +1,4 @@
-// Which normal maps are flat, so that nothing needs a frame to read them.
+// Detects flat normal maps, which need no frame.
 #pragma once
 
 #include <cstddef>
@@ -11,16 +11,16 @@
 
 namespace darboux {
 
-// Looks at the images of a document, at each once per way of reading it. A map is flat where every texel, its
-// x and y times the scale of the texture, is (0, 0, 1) as far as 8 bits can tell: |x|, |y| <= 1/255 and
-// z >= 1 - 2/255. Only what is stored without loss says so: PNG.
+// Examines the images of a document, each once per way of reading it. A map is flat if every texel, with x
+// and y multiplied by the scale of the texture, is (0, 0, 1) to within 8 bits: |x|, |y| <= 1/255 and z >= 1 -
+// 2/255. Only lossless images (PNG) are examined.
 class FlatNormalMaps {
  public:
   explicit FlatNormalMaps(const GltfFile& file) : file_(file) {}
 
   struct Answer {
     bool flat = false;
-    std::string note{};  // why it is not known
+    std::string note{};  // why the answer is unknown
   };
   // \param reader a normal map; all images that it may be drawn with must be flat
   Answer of(const io::FrameReader& reader);

@@ -1,5 +1,5 @@
 /// \file map_source.h
-/// Where a normal map comes from, and the memory that one takes.
+/// The source of a normal map, and the memory it requires.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,9 @@ struct MapSource {
   ChosenPrimitives primitives{};  ///< of a glTF: those that have it
 };
 
-/// \param only of a glTF, the primitives that count; all where there are none. Nothing: the caller has no
-/// --primitive that would choose, and no message advises it
-/// \throws FileError where a glTF has no normal texture, or several
+/// \param only for glTF, the primitives to use; all if the list is empty. No value: the caller has no option
+/// --primitive, and no message mentions it
+/// \throws FileError if a glTF has no normal texture, or several
 MapSource map_source(const std::string& path, const std::optional<ChosenPrimitives>& only,
                      const ReadOptions& options);
 

@@ -1,5 +1,5 @@
 /// \file scene_of_gltf.h
-/// What a camera of a glTF file needs of its triangles: by whole primitives.
+/// Plans the triangles of a glTF file for its cameras, by whole primitives.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,8 @@ struct GltfScene {
 
 /// Reads nodes, cameras, EXT_mesh_gpu_instancing, and the triangles with what their materials read.
 /// \param with_motion whether keys of animations are read, and GltfScene::motion is found
-/// \throws FileError for a file that contradicts itself, cyclic nodes, a camera that sees nothing, more than
-/// 10^7 instances of primitives
+/// \throws FileError for an inconsistent file, cyclic nodes, a camera that sees nothing, or more than 10^7
+/// instances of primitives
 GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options = {}, bool with_motion = false);
 
 }  // namespace darboux

@@ -1,4 +1,4 @@
-// Where a file's surface is cut into primitives, as at the borders of materials.
+// Finds adjacent triangles where a surface is divided into primitives, as at the borders of materials.
 #pragma once
 
 #include <span>
@@ -8,10 +8,10 @@
 
 namespace darboux {
 
-// For each primitive the triangles of others that share a vertex with it, by position and normal: those of
-// the same mesh, or of meshes of the same name in the same places, as other formats than glTF cut them. Only
-// of primitives with the same attributes. Places that more than 8 primitives share are no border, and are
-// left out. Cost: linear, and nothing where each mesh has one primitive.
+// For each primitive, the triangles of other primitives that share a vertex with it, by position and normal.
+// Considered are primitives with the same attributes of the same mesh, or of meshes with the same name and
+// placement, as formats other than glTF divide them. Positions shared by more than 8 primitives are not
+// borders and are ignored. Cost: linear; zero if each mesh has one primitive.
 std::vector<Mesh> triangles_beside(std::span<const Primitive> primitives);
 
 }  // namespace darboux

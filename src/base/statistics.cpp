@@ -12,10 +12,10 @@
 namespace darboux {
 namespace {
 
-// The smallest value that `rank` of the sample do not exceed; reorders.
+// The smallest value that at least `rank` elements of the sample do not exceed; reorders the sample.
 double value_of_rank(std::span<Counted> values, std::size_t rank) {
-  // Of many, first those whose leading bits are the same: the bits of numbers from 0 are in the numbers'
-  // order.
+  // For many values, first select those with the right leading bits: the bit patterns of non-negative numbers
+  // have the order of the numbers.
   constexpr std::size_t many = 20000, groups = 1 << 15;
   if (values.size() > many) {
     const auto group = [](const Counted& x) {
@@ -28,7 +28,7 @@ double value_of_rank(std::span<Counted> values, std::size_t rank) {
     values = {values.begin(),
               std::partition(values.begin(), values.end(), [&](const Counted& x) { return group(x) == at; })};
   }
-  // The half that holds the rank, again and again.
+  // Quickselect: repeatedly keep the part that contains the rank.
   auto first = values.begin(), last = values.end();
   while (last - first > 1) {
     const auto middle = first + (last - first) / 2;

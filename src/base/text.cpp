@@ -14,7 +14,7 @@ struct Character {
   std::size_t bytes;  // 0: no UTF-8
 };
 
-// The character that the text begins with, in UTF-8 without surrogates and longer forms than needed.
+// The first UTF-8 character of the text; surrogates and overlong forms are invalid.
 Character first_character(std::string_view text) {
   const auto lead = static_cast<unsigned char>(text[0]);
   if (lead < 0x80) return {lead, 1};
@@ -30,7 +30,7 @@ Character first_character(std::string_view text) {
   return {code, bytes};
 }
 
-// Characters that a terminal obeys, breaks the line at, or reorders text by.
+// Control characters, line separators, and characters that change the text direction.
 bool is_control(std::uint32_t code) {
   return code < 0x20 || (code >= 0x7F && code < 0xA0) || (code >= 0x2028 && code <= 0x202E) ||
          (code >= 0x2066 && code <= 0x2069);

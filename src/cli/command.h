@@ -1,5 +1,5 @@
 /// \file command.h
-/// What the subcommands share: common options, numbers in JSON, the progress bar.
+/// Common code of the subcommands: common options, numbers in JSON, the progress bar.
 #pragma once
 
 #include <algorithm>
@@ -29,8 +29,8 @@ namespace darboux {
 
 using Json = nlohmann::ordered_json;
 
-/// The options every subcommand has, and how it ended: 0 all that was asked for holds, 1 a check failed or
-/// the verdict is fail or undetermined, 2 usage error or unreadable input.
+/// The options common to all subcommands, and the exit status: 0 if all checks passed, 1 if a check failed or
+/// the verdict is fail or undetermined, 2 for a usage error or unreadable input.
 struct Common {
   bool json = false, quiet = false;
   ReadOptions read;
@@ -44,7 +44,7 @@ void add_common(CLI::App& sub, Common& common, const std::string& example);
 /// Adds --allow-outside to a subcommand that reads glTF.
 void add_read_options(CLI::App& sub, Common& common);
 
-/// A choice on the command line: its names, in the order of the enumeration.
+/// The values of a command-line option that stands for an enumeration, in its order.
 template <class E, std::size_t N>
 struct Choice {
   std::array<const char*, N> names;
@@ -58,26 +58,25 @@ struct Choice {
   }
 };
 
-/// What --sign takes, in the order of SignConvention.
+/// The values of --sign, in the order of SignConvention.
 inline constexpr Choice<SignConvention, 2> sign_conventions{{"gltf", "raw"}};
 
-/// A check for options: digits only, and a number from `least` to `most`.
+/// A validator for options: digits only, and a number from `least` to `most`.
 CLI::Validator whole_number_between(std::uint64_t least, std::uint64_t most);
 inline CLI::Validator whole_number_up_to(std::uint64_t most) {
   return whole_number_between(0, most);
 }
 inline const CLI::Validator whole_number = whole_number_up_to(std::numeric_limits<std::uint64_t>::max());
 
-/// A check for options: a finite number that is `good`; `expected` says which.
+/// A validator for options: a finite number that satisfies `good`; `expected` describes it in messages.
 CLI::Validator finite_number(const std::string& expected, bool (*good)(double));
 
-/// \throws ParameterError for the name of a file to which a GLB is to be written and that readers would take
-/// for another format
+/// \throws ParameterError if the name of a GLB output file has the extension of another format
 void check_glb_name(const std::string& output);
 
-/// The one of these extensions, such as ".html", that the name of an output file has, in lower case; empty
-/// where it has none, or one of no known format, as names from mktemp have. \param otherwise what else is
-/// accepted, for the message \throws ParameterError for an extension of another known format
+/// The extension of an output file, in lower case, if it is one of these, such as ".html"; empty if it has
+/// none, or an unknown one, as names from mktemp have. \param otherwise what else is accepted, for the
+/// message \throws ParameterError for an extension of another known format
 std::string known_extension(const std::string& option, const std::string& output,
                             const std::vector<std::string>& extensions, const std::string& otherwise = {});
 
@@ -103,7 +102,7 @@ void add_merge(CLI::App& app, Common& common);
 Json number(double x);
 Json array(const Vec3<double>& a);
 Json numbers(std::span<const double> values);
-/// A text as JSON shows it: what is not UTF-8 becomes U+FFFD.
+/// A text for JSON: bytes that are not UTF-8 become U+FFFD.
 std::string utf8(const std::string& text);
 
 /// Parses the whole text as a finite double, whatever the locale.
@@ -117,23 +116,23 @@ std::pair<int, int> parse_grid(const std::string& subject, const std::string& te
 /// Pieces of `text` between separators.
 std::vector<std::string> split(std::string_view text, char separator);
 
-/// What a SURFACE on the command line names: one of the catalogue, "formula:file=my.surface,a=3", or a kind
-/// that is read from a file, "bezier-patch:file=net.json". A comma belongs to the path unless a NAME= follows
-/// it. \throws ParameterError, FileError
+/// The surface for a SURFACE argument: one of the catalogue, "formula:file=my.surface,a=3", or a kind that is
+/// read from a file, "bezier-patch:file=net.json". A comma belongs to the path unless NAME= follows it.
+/// \throws ParameterError, FileError
 AnySurface surface_argument(std::string_view text);
 
-/// How help texts describe SURFACE.
+/// The description of SURFACE in help texts.
 inline constexpr const char* surface_help =
     "NAME, NAME:PARAMETER=VALUE,..., formula:file=FILE, or bezier-patch, bspline-patch or "
     "surface-of-revolution with :file=FILE";
 
-/// The surface's name, file and parameters as JSON, for every command alike.
+/// Name, file and parameters of a surface as JSON, the same in all commands.
 Json surface_json(const AnySurface& surface);
 
-/// Angles summed up as JSON, for every command alike.
+/// Statistics of angles as JSON, the same in all commands.
 Json statistics_json(const Statistics& statistics);
 
-/// Standard deviations as JSON, for every command alike.
+/// Standard deviations as JSON, the same in all commands.
 Json spread_json(const Spread& spread);
 
 /// "mesh 0 primitive 1", and " (NAME)" where it has a name.
@@ -143,27 +142,28 @@ std::string primitive_text(const NamedPrimitive& p) {
   return primitive_text(p.mesh, p.primitive, p.name);
 }
 
-/// What a reader or a command leaves alone as JSON, for every command alike.
+/// Skipped primitives as JSON, the same in all commands.
 Json skipped_json(const std::vector<SkippedPrimitive>& skipped);
 
-/// Prints "darboux: MESSAGE" as one line on stderr, whatever a library or a file put into the message.
+/// Prints "darboux: MESSAGE" on stderr, as one line whatever the message contains.
 void print_error(std::string_view message);
 
-/// The error that is being handled, of a file: with the file's name, also where a library does not know it.
+/// The message of the exception being handled, with the name of the file even if a library did not add it.
 std::string error_of(const std::string& file);
 
-/// JSON as text, on one line where `indent` is -1; what is not UTF-8 becomes U+FFFD.
+/// JSON as text, on one line if `indent` is -1. Bytes that are not UTF-8 become U+FFFD.
 std::string json_text(const Json& json, int indent = 2);
 
 /// Prints one JSON document to stdout.
 void print_json(const Json& json);
 
-/// A bar on stderr, drawn only on a terminal, not with --quiet, and not before half a second has passed.
+/// A progress bar on stderr. It is drawn only on a terminal, not with --quiet, and not during the first half
+/// second.
 class Progress {
  public:
   Progress(std::string label, const Common& common);
   ~Progress();
-  /// \param share done, in [0, 1]
+  /// \param share fraction done, in [0, 1]
   void update(double share);
 
  private:

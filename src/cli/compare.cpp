@@ -104,9 +104,9 @@ Json left_over_json(const std::vector<std::size_t>& left_over, const Asset& asse
   return json;
 }
 
-// ---- for people -------------------------------------------------------------------------------------------
+// ---- text -------------------------------------------------------------------------------------------
 
-// Never "100 %" for less than all.
+// Prints "100 %" only if count equals all.
 std::string percent(std::size_t count, std::size_t of) {
   const std::string text = rounded(100 * share(count, of), 3);
   return (text == "100" && count < of ? "99.9" : text) + " %";
@@ -172,7 +172,7 @@ void print_tangents(const Pair& pair) {
               << counted(r.no_direction, "corner") << '\n';
 }
 
-// Neither has tangents, and all else is alike.
+// Whether neither has tangents, and everything else is equal.
 bool compares_nothing(const Pair& pair) {
   const MeshComparison& r = pair.result;
   return !r.tangents_a && !r.tangents_b && r.matched == r.corners_a && r.matched == r.corners_b;

@@ -1,5 +1,5 @@
 /// \file configuration.h
-/// The options of a subcommand from a file.
+/// Reads the options of a subcommand from a file.
 #pragma once
 
 #include <string>
@@ -8,9 +8,9 @@
 
 namespace darboux {
 
-/// Gives a subcommand the options that a file holds, TOML's NAME = VALUE, a line each; `files` are its FILES.
-/// The command line takes precedence. To be called from the subcommand's callback. \throws FileError,
-/// also for a name that is no option, a section, a value that an option refuses
+/// Sets the options of a subcommand from a TOML file with one NAME = VALUE per line; `files` stands for the
+/// FILES arguments. The command line takes precedence. Call it from the callback of the subcommand. \throws
+/// FileError, also for an unknown option, a section, or a value that an option rejects
 void read_configuration(CLI::App& sub, const std::string& path);
 
 }  // namespace darboux

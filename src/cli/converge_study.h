@@ -1,5 +1,5 @@
 /// \file converge_study.h
-/// `darboux converge` as a study: its file, its presets, its jobs.
+/// The study of `darboux converge`: study file, presets, jobs.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@
 
 namespace darboux {
 
-/// The choices of `converge` as texts, in the notation of its options: what a study file may hold.
+/// The settings of `converge` as texts, in the notation of its options: the content of a study file.
 struct ConvergeChoices {
   std::vector<std::string> surfaces{"torus:major_radius=1,minor_radius=0.4", "sphere", "cylinder"};
   std::vector<std::string> methods;  ///< empty: all
@@ -29,20 +29,20 @@ struct ConvergeChoices {
 inline constexpr int finest_rows = 1024;  ///< 4 million triangles; their frames take a gigabyte
 inline constexpr int most_seeds = 1000;
 
-/// quick: the choices as they are; standard: six surfaces, six families of meshes, 16 to 512 rows; full: 8 to
-/// 1024. Nothing for another name.
+/// The settings of a preset. quick: the defaults; standard: six surfaces, six families of meshes, 16 to 512
+/// rows; full: 8 to 1024. Empty for an unknown name.
 std::optional<ConvergeChoices> preset_named(std::string_view name);
 
-/// Overrides `choices` by what a study file says: docs/schemas/converge-study.schema.json.
-/// \throws FileError, with the path of the key that is wrong
+/// Overrides `choices` by the settings in a study file (docs/schemas/converge-study.schema.json). \throws
+/// FileError with the path of the invalid key
 void read_converge_study(const std::string& file, ConvergeChoices& choices);
 
-/// All that the results depend on, every choice spelt out, with a hash of each file that a surface is read
-/// from.
+/// Everything on which the results depend: all settings, and a hash of each file from which a surface is
+/// read.
 Json converge_identity(const ConvergeOptions& options);
 
-/// Runs the jobs, or resumes them; the studies are those of the whole when the shard is 1/1.
-/// \param jobs_done how many jobs of the shard have results now
+/// Runs or resumes the jobs of a shard. The studies are complete if the shard is 1/1. \param jobs_done
+/// receives the number of jobs of the shard with results
 std::vector<Study> run_converge_study(const ConvergeOptions& options, const StudyIdentity& identity,
                                       const StudyOptions& study, std::size_t& jobs_done,
                                       const std::function<void(double)>& progress);

@@ -1,5 +1,5 @@
 /// \file csv_text.h
-/// Numbers and statuses in rows of text.
+/// Formats numbers and statuses for rows of text.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ void for_each_status(Status status, Use use) {
     if (has(status, static_cast<Status>(1u << k))) use(status_names[k]);
 }
 
-/// Its shortest form that reads back to the same bits.
+/// Appends the shortest text of x that reads back to the same bits.
 inline void append_shortest(std::string& text, double x) {
   if (std::isnan(x)) {
     text += "nan";

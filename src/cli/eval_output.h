@@ -1,5 +1,5 @@
 /// \file eval_output.h
-/// What `eval` writes: points evaluated block by block, as text or as bare numbers.
+/// Output of `eval`: points evaluated block by block, as text or as binary numbers.
 #pragma once
 
 #include <array>
@@ -18,12 +18,12 @@
 
 namespace darboux {
 
-/// What --format takes.
+/// The values of --format.
 enum class FrameFormat { table, json, csv, f32, f64, npy };
 /// In the order of FrameFormat.
 inline constexpr std::array<const char*, 6> frame_format_names{"table", "json", "csv", "f32", "f64", "npy"};
 
-/// Evaluates points and writes them, in memory that does not grow with their number.
+/// Evaluates points and writes the results. Memory does not grow with their number.
 ///   table, json, csv  with u, v and the status, in double
 ///   f32, f64          for each point the numbers of its attributes, little-endian, nothing else; f32 is
 ///                     evaluated in double, then rounded
@@ -31,11 +31,11 @@ inline constexpr std::array<const char*, 6> frame_format_names{"table", "json", 
 class FrameWriter {
  public:
   virtual ~FrameWriter() = default;
-  /// At most `room` points. \throws FileError when they cannot be written
+  /// Writes at most `room` points. \throws FileError if they cannot be written
   virtual void write(std::span<const double> u, std::span<const double> v) = 0;
-  /// Those of `count` rows of a grid, from row `first` on: see Points::grid().
+  /// Writes `count` rows of a grid, starting at row `first`: see Points::grid().
   virtual void write_grid(std::size_t columns, std::size_t rows, std::size_t first, std::size_t count) = 0;
-  /// What follows the last point.
+  /// Writes what follows the last point.
   virtual void finish() {}
 };
 
@@ -44,7 +44,7 @@ struct FrameWriterOptions {
   std::vector<const EvalAttribute*> attributes;  ///< in the order written, each once
   std::size_t room = 4096;                       ///< points per call
   int threads = 1;
-  std::uint64_t points = 0;  ///< all of them together; npy alone needs it
+  std::uint64_t points = 0;  ///< total number; only npy needs it
 };
 
 /// Writes what comes before the first point. `file` and `surface` must outlive the writer.

@@ -27,7 +27,7 @@ struct FitArguments {
   std::uint64_t seed = PointFitOptions{}.seed;
 };
 
-// The kinds that --surface takes. Without uvs: those that fit_points() does not refuse when it is called
+// The kinds that --surface accepts. Without uvs: those that fit_points() does not reject when it is called
 // without points.
 std::vector<std::string> kinds_to_fit(bool with_uv) {
   std::vector<std::string> kinds{"auto"};
@@ -69,7 +69,7 @@ PointFitOptions parse_options(const FitArguments& arguments) {
 }
 
 // Which points of the file lie on the surface, and how many do not. In a mesh every vertex counts, and
-// vertices at one place count alike.
+// vertices at the same position get the same answer.
 struct Membership {
   std::vector<bool> is_inlier;
   std::size_t inliers = 0, outliers = 0, not_finite = 0, unused = 0;
@@ -133,15 +133,15 @@ UncertainFrame no_frame_at_all() {
   return f;
 }
 
-// Where its own uv says that the point belongs, else at the nearest point: a surface that crosses itself has
-// two there.
+// The frame at the point's own uv, if used, else at the nearest point. They differ where a surface intersects
+// itself.
 UncertainFrame frame_of(const PointCloud& cloud, std::size_t i, const PointFit& fit, bool with_uv) {
   const Vec3<double>& p = cloud.positions[i];
   if (!detail::finite(p) || (with_uv && !detail::finite(cloud.uvs[i]))) return no_frame_at_all();
   return with_uv ? frame_at(fit, fit.surface->uv.surface_uv(cloud.uvs[i])) : frame_near(fit, p);
 }
 
-// The frame at every point, to the file where there is one, and summed up over the inliers.
+// Computes the frame at every point, writes it to the file if there is one, and summarises over the inliers.
 FrameSpread frames_of(const PointCloud& cloud, const PointFit& fit, const std::vector<bool>& is_inlier,
                       bool with_uv, OutputFile* file, int threads,
                       const std::function<void(double)>& progress) {

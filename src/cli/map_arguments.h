@@ -1,5 +1,5 @@
 /// \file map_arguments.h
-/// What `normalmap` and `bake` share: the mesh that a map lies on, the frames, and files of images.
+/// Common code of `normalmap` and `bake`: the mesh that a map covers, the frames, and image files.
 #pragma once
 
 #include <optional>
@@ -35,7 +35,7 @@ inline constexpr Choice<MapDecode, 2> map_decodes{{"mikktspace", "gltf-viewer"}}
 inline constexpr Choice<MapGreen, 2> map_greens{{"opengl", "directx"}};
 inline constexpr Choice<SampleType, 3> map_depths{{"8", "16", "float"}};
 
-/// All options but --basis, which the two have in other words.
+/// Adds the common options; --basis differs between the two commands.
 void add_map_options(CLI::App& sub, MapArguments& arguments);
 
 /// \param primitives as --primitive, null where that chooses nothing of this file
@@ -48,19 +48,19 @@ MapSource map_source(const std::string& path, const std::vector<std::string>* pr
 std::vector<MapPiece> map_pieces(const MapArguments& arguments, const Common& common, bool world,
                                  const ChosenPrimitives& only = {});
 
-/// Reads a map, as read_image() does. \throws FileError also, without --signed-floats, for floats that are
-/// evidently signed: farther below 0 than unit vectors rounded to 8-bit codes can be
+/// Reads a map with read_image(). \throws FileError also, without --signed-floats, for floats that are
+/// evidently signed: further below 0 than rounding of unit vectors to 8-bit codes can cause
 Image read_map(const MapSource& source, bool drop_colour_tags, bool signed_floats, const Common& common);
 
-/// The rms distance of the corners of triangles from the surface at their uvs, over the diagonal of the box
-/// about them. Corners at which the surface has no value are left out; infinity where that is all of them.
+/// The rms distance of the triangle corners from the surface at their uvs, relative to the diagonal of their
+/// bounding box. Corners at which the surface has no value are excluded; infinity if that applies to all.
 double rms_relative(const PlacedSurface& surface, std::span<const MapPiece> pieces);
 
-/// The largest such distance of a mesh of the surface: twice what a fit leaves, as corners count here but
+/// The limit of that distance for a mesh of the surface: twice that of a fit, as corners are counted here and
 /// vertices there.
 inline constexpr double corners_fit_below = 2 * fits_below;
 
-/// Returns f(). \throws FileError for a MeshError of f, with the mesh's file before its message
+/// Returns f(). \throws FileError instead of a MeshError of f, with the file name before its message
 template <class F>
 auto naming_the_mesh(const std::string& file, const F& f) {
   try {
@@ -70,14 +70,14 @@ auto naming_the_mesh(const std::string& file, const F& f) {
   }
 }
 
-/// An option, or another word for where a file's name stands, and the name.
+/// The option (or other description) that names a file, and the file name.
 using MapFile = std::pair<const char*, std::string>;
 
-/// Checks that output files differ from each other and from all input files; input files may coincide.
+/// Checks that output files differ from each other and from all input files. Input files may coincide.
 /// \throws ParameterError
 void check_files_apart(const std::vector<MapFile>& read, const std::vector<MapFile>& written);
 
-/// The same of -o and --report, whose names must be those of images.
+/// The same for -o and --report, which must also have names of image files.
 void check_map_files(const std::vector<MapFile>& read, const std::string& output,
                      const std::string& report = "");
 
@@ -97,10 +97,11 @@ class MapOutputs {
   std::optional<OutputFile> report_file_;
 };
 
-/// What --depth says, else what the file can hold that is nearest to `wish`. \throws ParameterError
+/// The sample type of --depth, else the type nearest to `wish` that the file format supports. \throws
+/// ParameterError
 SampleType map_type(const MapArguments& arguments, SampleType wish);
 
-/// The counts of a conversion: for JSON, and a line for each that is not zero.
+/// Adds the counts of a conversion to the JSON, and prints a line for each that is not zero.
 void add_counts(Json& json, const NormalMapResult& result);
 void print_counts(const NormalMapResult& result);
 

@@ -14,15 +14,15 @@ struct MapCheckArguments {
   std::vector<std::string> compared;    ///< two files
   std::vector<std::string> primitives;  ///< of `file`, where it is a glTF
   bool signed_floats = false;
-  double max_angle_deg = 1;  // over the rounding of two maps, 8 bits in each of 3 channels: 0.78
+  double max_angle_deg = 1;  // above the 0.78 that rounding of two maps with three 8-bit channels can cause
   std::uint64_t worst = 10;
 };
 
-/// What a map alone tells; status 1 where something is wrong with it.
+/// Checks a map without a mesh. Exit status 1 if there is a finding.
 void run_map_check(const MapCheckArguments& arguments, Common& common);
 
-/// How far two maps are apart; status 1 where that is more than asked for. \param mesh the triangles that
-/// count, with its options
+/// Compares two maps. Exit status 1 if they differ by more than the limit. \param mesh the triangles whose
+/// texels are compared, with its options
 void run_map_comparison(const MapCheckArguments& arguments, const MapArguments& mesh, bool drop_colour_tags,
                         Common& common);
 

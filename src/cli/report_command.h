@@ -1,5 +1,5 @@
 /// \file report_command.h
-/// What the report commands share: presets, study files, results, shards, pages and CSV.
+/// Common code of the report commands: presets, study files, results, shards, pages and CSV.
 #pragma once
 
 #include <cstddef>
@@ -29,34 +29,35 @@ struct ReportArguments {
 
 inline constexpr const char* preset_names = "quick, standard or full";
 
-/// Adds --preset, --study, --results and --shard. \param presets what each preset is
+/// Adds --preset, --study, --results and --shard. \param presets description of the presets
 void add_report_options(CLI::App& sub, ReportArguments& arguments, const std::string& presets);
 
-/// Adds -o, --format and --csv. \param svg, csv what these hold
+/// Adds -o, --format and --csv. \param svg, csv description of their content
 void add_output_options(CLI::App& sub, ReportArguments& arguments, const std::string& svg,
                         const std::string& csv);
 
-/// These as they stand in the line that runs the same again: " --results FILE -o FILE".
+/// These options as part of the command line that reproduces the run: " --results FILE -o FILE".
 std::string command_line_of(const ReportArguments& arguments,
                             const std::vector<std::pair<const char*, std::string>>& others = {});
 
-/// How help texts show a default: " [24]"; of resolutions that double, " [8..128]".
+/// A default value for help texts: " [24]"; for doubling resolutions, " [8..128]".
 std::string default_text(int n);
 std::string default_text(double x);
 std::string default_text(const std::vector<int>& resolutions);
 
-/// "8..256" (doubling) or "8,16,32", of --resolutions; they grow. \param finest the largest number
+/// Parses --resolutions: "8..256" (doubling) or "8,16,32", increasing. \param finest the largest permitted
+/// number
 /// \throws ParameterError
 std::vector<int> parse_resolutions(const std::string& text, int finest);
 
-/// Text as a shell reads it.
+/// Text quoted for a shell.
 std::string shell_quoted(const std::string& text);
 
-/// The surfaces' part of a study's identity: their specifications, and a hash of each file that one is read
-/// from.
+/// The surfaces in the identity of a study: their specifications, and a hash of each file from which one is
+/// read.
 Json surfaces_identity(const std::vector<AnySurface>& surfaces);
 
-/// A study file's list of names, each of which find(name) knows or throws for.
+/// Reads a list of names from a study file. find(name) throws for unknown names.
 template <class Find>
 void read_names(const io::JsonCursor& list, std::vector<std::string>& names, Find find) {
   if (!list.json().is_array() || list.size() == 0) list.fail("a list of names");
@@ -71,8 +72,8 @@ void read_names(const io::JsonCursor& list, std::vector<std::string>& names, Fin
   }
 }
 
-/// Reads what every study file has: checks that it is for this command, then overrides `choices` by its
-/// preset, surfaces and seed. The preset comes first: it supplies whatever the file does not state.
+/// Reads the keys common to all study files: checks that the file is for this command, then overrides
+/// `choices` by its preset, surfaces and seed. The preset is applied first and provides the defaults.
 template <class Choices>
 void read_common(const io::JsonCursor& study, const char* command,
                  std::optional<Choices> (*preset_named)(std::string_view), Choices& choices) {
@@ -88,14 +89,14 @@ void read_common(const io::JsonCursor& study, const char* command,
   if (study.has("seed")) choices.seed = study.at("seed").integer();
 }
 
-/// A study file's list of resolutions, which grow, from 2 to `finest`. \param expected what list, of at least
-/// `fewest`
+/// Reads a list of increasing resolutions, from 2 to `finest`, from a study file. \param expected description
+/// of the list, of at least `fewest` numbers
 void read_resolutions(const io::JsonCursor& list, std::size_t fewest, const char* expected, int finest,
                       std::vector<int>& resolutions);
 
-/// Calls take(job, result) for each job that has a result, and counts these jobs.
-/// \param what the results are, "samples of converge" \param file where they were read from
-/// \throws FileError for a result of another shape
+/// Calls take(job, result) for each job with a result, and counts these jobs. \param what description of the
+/// results, "samples of converge" \param file the file from which they were read \throws FileError for a
+/// result with another structure
 template <class Take>
 void take_results(const std::vector<Json>& results, const std::string& file, const std::string& what,
                   std::size_t& jobs_done, Take take) {
@@ -111,39 +112,39 @@ void take_results(const std::vector<Json>& results, const std::string& file, con
   }
 }
 
-/// An option that writes a file too: its name, what it writes, and where; nothing where that is empty.
+/// Another option that writes a file: its name, the content, and the path; not used if the path is empty.
 struct OtherOutput {
   const char *option, *what;
   std::string file;
 };
 
-/// What a command has found, in every format.
+/// The results of a command, in every output format.
 struct Report {
-  bool holds;    ///< else exit status 1
+  bool holds;    ///< if false, exit status 1
   Json results;  ///< the document's own keys
   std::function<std::string(const Provenance&)> page, markdown;
   std::function<std::string()> picture, csv, other;
   std::string text;     ///< for a terminal
-  std::string summary;  ///< one line, all that --quiet leaves
+  std::string summary;  ///< one line, the only output with --quiet
 };
 
-/// A study as a command runs it.
+/// A study to be run by a command.
 struct ReportStudy {
   std::string command;       ///< "converge"
-  std::string command_line;  ///< runs the same again
+  std::string command_line;  ///< reproduces the run
   std::uint64_t seed;
   std::string seeds;  ///< in words: "1 to 3"
-  Json identity;      ///< all that the results depend on
+  Json identity;      ///< everything on which the results depend
   OtherOutput other{};
-  /// Runs the jobs of the shard, sets how many of them have results now, and reports.
+  /// Runs the jobs of the shard, sets the number of jobs with results, and reports.
   std::function<Report(const StudyIdentity&, const StudyOptions&, std::size_t& jobs,
                        const std::function<void(double)>& progress)>
       run;
 };
 
-/// Opens the outputs, so that a folder that cannot be written is reported before the work; runs the study
-/// with its progress shown; writes the outputs and prints. \throws ParameterError where two options write to
-/// one place, a format is asked for without -o, or a shard is to write more than its results
+/// Opens the outputs first, so that an unwritable folder is reported before the work; runs the study with a
+/// progress bar; writes the outputs and prints. \throws ParameterError if two options write to the same file,
+/// if --format is given without -o, or if a shard would write more than its results
 void run_report(const ReportArguments& arguments, const ReportStudy& study, Common& common);
 
 }  // namespace darboux

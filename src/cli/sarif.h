@@ -1,5 +1,5 @@
 /// \file sarif.h
-/// What commands write as SARIF 2.1.0.
+/// SARIF 2.1.0 output of commands.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace darboux {
 
-/// Of a file, not of a mesh: no finding of the library.
+/// A finding about a file, not a mesh, so it is not one of the library.
 inline constexpr FindingKind unreadable_file{"FILE_UNREADABLE", Severity::error, "the file cannot be read",
                                              "see what the message expects, and export the file again"};
 
@@ -21,7 +21,7 @@ std::string with_to_do(const std::string& message, std::string_view to_do);
 /// A rule of the log.
 Json sarif_rule(const FindingKind& kind);
 
-/// \param place empty: the file as a whole \param own the severity that no option changes
+/// \param place empty: the file as a whole \param own the original severity, before options change it
 Json sarif_result(const std::string& path, std::string_view code, Severity severity, Severity own,
                   const std::string& message, const std::string& place);
 

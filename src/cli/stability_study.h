@@ -1,5 +1,5 @@
 /// \file stability_study.h
-/// `darboux stability` as a study: its file, its presets, its jobs.
+/// The study of `darboux stability`: study file, presets, jobs.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@
 
 namespace darboux {
 
-/// The choices of `stability` as texts, in the notation of its options: what a study file may hold. Empty:
+/// The settings of `stability` as texts, in the notation of its options: the content of a study file. Empty:
 /// all.
 struct StabilityChoices {
   std::vector<std::string> surfaces, sweeps, routes;
@@ -25,19 +25,19 @@ struct StabilityChoices {
 
 inline constexpr int most_points = 10000;  ///< of a sweep, and samples at each
 
-/// quick: the choices as they are; standard: 61 values of x, 8 samples; full: 301, 16. Nothing for another
-/// name.
+/// The settings of a preset. quick: the defaults; standard: 61 values of x, 8 samples; full: 301, 16. Empty
+/// for an unknown name.
 std::optional<StabilityChoices> stability_preset(std::string_view name);
 
-/// Overrides `choices` by what a study file says: docs/schemas/stability-study.schema.json.
-/// \throws FileError, with the path of the key that is wrong
+/// Overrides `choices` by the settings in a study file (docs/schemas/stability-study.schema.json). \throws
+/// FileError with the path of the invalid key
 void read_stability_study(const std::string& file, StabilityChoices& choices);
 
-/// All that the results depend on, every choice spelt out.
+/// Everything on which the results depend: all settings.
 Json stability_identity(const StabilityOptions& options);
 
-/// Runs the jobs, or resumes them; the curves are those of the whole when the shard is 1/1.
-/// \param jobs_done how many jobs of the shard have results now
+/// Runs or resumes the jobs of a shard. The curves are complete if the shard is 1/1. \param jobs_done
+/// receives the number of jobs of the shard with results
 std::vector<StabilityCurve> run_stability_study(const StabilityOptions& options,
                                                 const StudyIdentity& identity, const StudyOptions& study,
                                                 std::size_t& jobs_done,

@@ -1,5 +1,5 @@
 /// \file validate_page.h
-/// What validate found, as a page for people.
+/// The results of validate as an HTML page.
 #pragma once
 
 #include <string>
@@ -9,11 +9,12 @@
 
 namespace darboux {
 
-/// A self-contained HTML page: a row for each mesh, failures first and open. In it the errors on the mesh,
-/// which turns, and over the uv square; the findings and errors by class of each part; a histogram. Rows are
-/// filtered by verdict and code, and sorted. It needs no network; without scripts the pictures and controls
-/// are missing. Where meshes have more than 300 000 triangles in total, only every n-th is drawn, and the
-/// page says so. \param files whose assessments keep errors and whose primitives have their data
+/// A self-contained HTML page that works offline: one row per mesh, failures first and expanded. A row shows
+/// the errors on the mesh, which can be rotated, and over the uv square; the findings and errors per class of
+/// each part; and a histogram. Rows can be filtered by verdict and code, and sorted. Without scripts the
+/// pictures and controls are missing. If the meshes have more than 300 000 triangles in total, only every
+/// n-th is drawn, and the page says so. \param files with assessments that keep errors and primitives that
+/// have their data
 std::string validate_page(const std::vector<AssessedFile>& files, double max_angle_deg);
 
 }  // namespace darboux

@@ -1,5 +1,5 @@
 /// \file validate_pictures.h
-/// Pictures of what validate found: a mesh painted by error, and a page for people.
+/// Pictures of the results of validate: a mesh coloured by error, and an HTML page.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace darboux {
 
-/// What is asked for; empty where it is not.
+/// The requested output files; empty if not requested.
 struct Pictures {
   std::string paint, page;
   bool any() const { return !paint.empty() || !page.empty(); }
@@ -18,15 +18,15 @@ struct Pictures {
 /// Adds --paint and --report to a subcommand.
 void add_pictures(CLI::App& sub, Pictures& pictures);
 
-/// \throws ParameterError for what cannot be written, before any file is read
+/// Checks the outputs before any file is read. \throws ParameterError if one cannot be written
 void check_pictures(const Pictures& pictures, std::size_t files);
 
-/// Writes them. Of files whose assessments keep errors and whose primitives have their data.
+/// Writes the pictures. The assessments must keep errors, and the primitives must have their data.
 /// \throws FileError, MeshError
 void write_pictures(const Pictures& pictures, const std::vector<AssessedFile>& files, double max_angle_deg,
                     const ReadOptions& read);
 
-/// The error at each vertex: the largest at its corners, NaN where none is compared.
+/// The error at each vertex: the largest of its corners; NaN if none was compared.
 std::vector<float> vertex_errors(const AssessedPrimitive& assessed);
 
 }  // namespace darboux

@@ -133,7 +133,7 @@ std::string verdicts_text(const std::array<std::size_t, verdict_names.size()>& v
   return joined(texts);
 }
 
-// How often a code was found with one severity.
+// The count of a code with one severity.
 struct CodeTotal {
   const Finding* first;  // which was found
   std::size_t count = 0, places = 0, files = 0, known = 0;
@@ -227,12 +227,12 @@ std::string nothing_because(const AssessedFile& file) {
   return triangles ? "neither normals nor tangents to judge" : "no triangles to judge";
 }
 
-// Whether something in it has to be looked at.
+// Whether the file needs attention.
 bool has_something(const AssessedFile& file) {
   return file.verdict > Verdict::pass || file.lost || !totals_of(std::span(&file, 1)).empty();
 }
 
-// "is not JSON, expected ...": of the reason why a file cannot be read the first sentence, without its path.
+// The first sentence of the reason why a file cannot be read, without its path: "is not JSON, expected ...".
 std::string first_sentence(const AssessedFile& file) {
   std::string text = file.error;
   const std::string path = message_name(file.path) + ": ";
@@ -277,7 +277,7 @@ void print_bad(const std::vector<AssessedFile>& files, bool with_baseline) {
       "cannot be read", [](const AssessedFile& file) { return !file.readable(); }, first_sentence);
 }
 
-// What neither failed nor has to be looked at, a line for each reason.
+// Files that neither failed nor need attention, one line per reason.
 void print_rest(const std::vector<AssessedFile>& files) {
   std::size_t plain = 0, with_warnings = 0;
   std::map<std::string, std::size_t> nothing, skipped;
@@ -321,7 +321,7 @@ void print_command(const AssessedFile& file, const std::vector<CodeTotal>& total
               << extension << '\n';
 }
 
-// The remedies of what was found, each once; where a code has several, with the severity.
+// The remedies for the findings, each once; if a code has several, with the severity.
 void print_to_do(const std::vector<AssessedFile>& files) {
   const std::vector<CodeTotal> totals = totals_of(files);
   if (totals.empty()) return;
@@ -339,8 +339,8 @@ void print_to_do(const std::vector<AssessedFile>& files) {
   if (files.size() == 1) print_command(files[0], totals);
 }
 
-// The end of a report on several files, which can be read by itself: what was found and what to do, which
-// files failed or cannot be read, and how many others there are.
+// The self-contained summary at the end of a report on several files: findings and remedies, files that
+// failed or cannot be read, and the number of others.
 void print_closing(const std::vector<AssessedFile>& files, std::size_t unreadable, bool with_baseline) {
   std::array<std::size_t, verdict_names.size()> verdicts{};
   for (const AssessedFile& file : files)

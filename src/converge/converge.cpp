@@ -41,7 +41,9 @@ constexpr double above_floor = 10;    // a level is used where its rms is this m
 constexpr std::size_t fit_least = 3;  // levels without which there is no order
 constexpr double tolerance = 0.15;    // of an order
 constexpr double orthogonal_below =
-    1e-9;  // |cos| between dpdu and dpdv, and what their lengths differ by: far above rounding
+    // Tolerance for |cos| of the angle between dpdu and dpdv, and for the difference of their lengths: far
+    // above rounding.
+    1e-9;
 // Positions and uvs rounded once to float: an edge errs by 2^-24 |P|, a tangent by twice that over the edge.
 constexpr double single_precision_floor = 0x1p26;
 
@@ -52,13 +54,13 @@ double degrees(double radians) {
   return radians * degrees_per_radian;
 }
 
-// Whether the family's triangles are so ill-shaped that nothing is promised.
+// Whether the triangles of the family are so ill-shaped that no order is expected.
 bool promises_nothing(const MeshFamily& family, bool has_pole) {
   return family.jitter > 0.25 || family.topology == MeshTopology::lantern ||
          (has_pole && family.pole == PolePlacement::shared);
 }
 
-// A mesh with the truth at its vertices.
+// A mesh with the exact frames at its vertices.
 struct Reference {
   struct Truth {
     std::array<Vec3<double>, 3> of_quantity;  // directions, of any length
@@ -104,8 +106,9 @@ Chart chart_at(const Sample<double>& sample, double du_dstored, const Vec3<doubl
   return std::fabs(norm(along_v) / along_u - 1) > orthogonal_below ? Chart::orthogonal : Chart::conformal;
 }
 
-// Whether partials are infinite, zero or parallel along a line: at two neighbours, in different places, of
-// the grid of sixteenths of u and v, rows outside of the range being those of its ends.
+// Whether partials are infinite, zero or parallel along a line: at two neighbouring points, with different
+// positions, of the grid of multiples of 1/16 in u and v. Rows outside the range are replaced by those at its
+// ends.
 bool has_singular_line(const AnySurface& surface, double v_first, double v_last) {
   constexpr int n = 16;
   constexpr double same_place = 1e-9;  // of the farthest point's distance from the origin: far above rounding
@@ -134,8 +137,8 @@ bool has_singular_line(const AnySurface& surface, double v_first, double v_last)
   return apart > same_place * farthest;
 }
 
-// The sample at a vertex of a mirrored mesh, and du by its stored u, which does not tell the two halves
-// apart: the sign of the stored tangent does.
+// The sample at a vertex of a mirrored mesh, and the derivative of u by the stored u. The stored u does not
+// distinguish the two halves; the sign of the stored tangent does.
 std::pair<Sample<double>, double> unmirrored(const AnySurface& surface, const Mesh& mesh,
                                              std::size_t vertex) {
   const auto [stored, v] = mesh.uvs[vertex];
@@ -158,8 +161,8 @@ Reference make_reference(const ConvergeOptions& options, const ConvergeJob& job)
         family.mirror ? unmirrored(surface, r.mesh, i)
                       : std::pair{surface.sample(stored.x - family.shear * stored.y, stored.y), 1.0};
     const Status status = sample.frame.status;
-    // By the stored (u + K v, v): d/du is dpdu, d/dv is dpdv - K dpdu. Along dpdu runs t, also in the limit;
-    // against it where the uvs are mirrored.
+    // By the stored (u + K v, v): d/du is dpdu, d/dv is dpdv - K dpdu. t is along dpdu, also in the limit,
+    // and opposite to it where the uvs are mirrored.
     const Vec3<double> along_v = sample.jet.dpdv - family.shear * sample.jet.dpdu;
     r.truth.push_back(
         {{du_dstored < 0 ? -sample.frame.t : sample.frame.t, along_v, sample.frame.n},
@@ -177,8 +180,8 @@ Reference make_reference(const ConvergeOptions& options, const ConvergeJob& job)
   return r;
 }
 
-// Runs a method until 2 ms have passed, three times where that is done within 20 ms. The best run's seconds
-// go to `seconds`.
+// Runs a method until 2 ms have passed, three times if that takes less than 20 ms. `seconds` receives the
+// time of the best run.
 MeshFrames timed_frames(const Mesh& mesh, const FrameMethod& method, double& seconds) {
   using Clock = std::chrono::steady_clock;
   seconds = std::numeric_limits<double>::infinity();
@@ -197,7 +200,7 @@ MeshFrames timed_frames(const Mesh& mesh, const FrameMethod& method, double& sec
 }
 
 bool answers(const FrameMethod& method, std::size_t quantity) {
-  return quantity != normal || !method.needs_normals;  // the others pass the mesh's own normals on
+  return quantity != normal || !method.needs_normals;  // the others return the normals of the mesh
 }
 
 double expected_order(const FrameMethod& method, const MeshFamily& family, VertexClass vertex_class,
@@ -217,10 +220,11 @@ double expected_order(const FrameMethod& method, const MeshFamily& family, Verte
   const double beside_poles = of_family(at_poles);
   if (vertex_class == VertexClass::pole || vertex_class == VertexClass::pole_ring) {
     if (reference.unsheared_chart < needed) return 0;
-    // Towards a pole dpdu vanishes, and what a shear makes oblique with it: like h.
+    // Towards a pole dpdu vanishes, and with it the obliqueness that a shear causes: like h.
     const double order = suits ? beside_poles : std::min(beside_poles, 1.0);
     if (vertex_class == VertexClass::pole_ring) return order;
-    // A pole's triangles lie on one side of it. Where dpdu = 0 a polynomial's derivative is of any direction.
+    // The triangles of a pole lie on one side of it. Where dpdu = 0, the derivative of a polynomial has an
+    // arbitrary direction.
     if (method.reach > 1) return quantity == bitangent ? order : 0;
     return std::min(order, 1.0);
   }
@@ -228,19 +232,20 @@ double expected_order(const FrameMethod& method, const MeshFamily& family, Verte
   double order = method.direction.jittered;
   if (vertex_class == VertexClass::interior && !irregular) {
     order = method.direction.regular;
-    // Vertices next to a border see beyond it, where there is nothing: their share falls like h.
+    // The stencils of vertices next to a border are one-sided; the share of these vertices decreases like h.
     if (method.reach > 1) order = std::min(order, method.direction.jittered + 0.5);
   }
   if (!reference.has_pole) return order;
-  // What a triangle gives by itself is wrong next to a pole alone: a share h of all.
+  // The direction of a single triangle is wrong only next to a pole: a share h of all.
   if (method.reach == 0) return std::min(order, beside_poles + 0.5);
-  // Seams and borders that end in poles: what is one-sided there keeps half an order less.
+  // Seams and borders that end in poles: one-sided stencils lose half an order there.
   const bool one_sided = vertex_class != VertexClass::interior;
   if (one_sided && order > 1) order -= 0.5;
   if (beside_poles == 0) return 0;
-  // Where cells are widest at a seam that ends in poles, it shows in the interior: a share h sees beyond it.
+  // If cells are widest at a seam that ends in poles, this affects the interior: the stencils of a share h
+  // reach it.
   if (family.grading > 0 && method.reach > 1) order = std::min(order, method.direction.jittered);
-  // So does what lies next to a pole there: it has the order of irregular meshes.
+  // Vertices next to a pole have an effect, too, with the order of irregular meshes.
   if (one_sided) return std::min(order, std::min(beside_poles, at_poles.jittered) + 0.5);
   return std::min(order, beside_poles + (irregular && beside_poles < 1 ? 0.25 : 0.5));
 }
@@ -278,7 +283,7 @@ void conclude(Study& study) {
   study.verdict = judge_order(study);
 }
 
-// Several random meshes of one resolution as one level.
+// Combines several random meshes of one resolution into one level.
 Level pooled(const std::vector<Level>& meshes) {
   Level all = meshes.front();
   const auto count = static_cast<double>(meshes.size());
@@ -301,7 +306,7 @@ Level pooled(const std::vector<Level>& meshes) {
   return all;
 }
 
-// One sample for each class and quantity that has corners.
+// Adds a sample per class and quantity with corners.
 void measure(const Reference& reference, const FrameMethod& method, const MeshFamily& family, int n,
              std::vector<LevelSample>& samples) {
   double seconds;
@@ -311,7 +316,7 @@ void measure(const Reference& reference, const FrameMethod& method, const MeshFa
     std::size_t corners = 0, fallback = 0;
   };
   std::array<Errors, vertex_class_names.size()> of_class;
-  // Averages give one frame a vertex: its errors are kept for the vertex's other corners.
+  // Averages give one frame per vertex: its errors are reused for the other corners of the vertex.
   std::vector<std::uint32_t> vertex_of_frame(frames.frames.size(), static_cast<std::uint32_t>(-1));
   std::vector<std::array<double, quantities.size()>> error_of_frame(frames.frames.size());
   for (std::size_t c = 0; c < reference.mesh.corners(); ++c) {
@@ -456,7 +461,7 @@ std::vector<Study> conclude_studies(const ConvergeOptions& options, const std::v
       study.vertex_class = sample.vertex_class;
       study.quantity = sample.quantity;
       levels[key][sample.level.resolution].push_back(sample.level);
-      if (int& n = finest[key]; sample.level.resolution > n) {  // the kind of chart shows best there
+      if (int& n = finest[key]; sample.level.resolution > n) {  // the kind of chart is determined best there
         n = sample.level.resolution;
         study.expected_order = sample.expected_order;
       }
@@ -464,7 +469,7 @@ std::vector<Study> conclude_studies(const ConvergeOptions& options, const std::v
   std::vector<Study> result;
   for (auto& [key, study] : studies) {
     for (const auto& [resolution, meshes] : levels[key]) study.levels.push_back(pooled(meshes));
-    if (study.levels.size() < fit_least) continue;  // two meshes make no line
+    if (study.levels.size() < fit_least) continue;  // two meshes do not determine an order
     conclude(study);
     result.push_back(std::move(study));
   }

@@ -18,7 +18,7 @@ constexpr std::size_t fit_least = 3;         // widths
 constexpr double curvature_level = 0.1;      // of the test
 constexpr double bias_of_difference = 1.75;  // see the header
 
-// The mean logarithm of a width's errors, and the variance of that mean.
+// The mean logarithm of the errors at a width, and the variance of that mean.
 struct Point {
   double log_h, h, log_error;
   double variance = 0;
@@ -27,7 +27,7 @@ struct Point {
 
 std::vector<Point> points_of(std::span<const ErrorsAtWidth> widths) {
   std::vector<Point> points;
-  double spread = 0, freedom = 0;  // of one mesh, at the last width that has several
+  double spread = 0, freedom = 0;  // per mesh, at the last width with several meshes
   for (const ErrorsAtWidth& w : widths) {
     if (w.errors.empty()) throw ParameterError("errors", "expected at least one per width, got none");
     if (!(w.h > 0) || (!points.empty() && !(w.h < points.back().h)))
@@ -52,7 +52,7 @@ std::vector<Point> points_of(std::span<const ErrorsAtWidth> widths) {
 struct Coefficient {
   double value, error, freedom;
 
-  // The quantile of Student's t times the error.
+  // The quantile of Student's t times the standard error.
   double half_width(double outside) const {
     if (!(freedom > 0)) return std::numeric_limits<double>::infinity();
     if (error == 0) return 0;

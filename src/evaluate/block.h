@@ -1,4 +1,4 @@
-// How much of a call is done at once.
+// Block sizes of a call.
 #pragma once
 
 #include <cstddef>
@@ -10,12 +10,12 @@ namespace darboux::evaluation {
 using kernels::batch_size;
 using kernels::group_size;
 
-// The most points in a kernel call, plus fewer than batch_size<T> where a last call would otherwise get fewer
-// than that.
+// The maximum number of points in a kernel call. The last call may get up to batch_size<T> - 1 more, if the
+// rest would be smaller than batch_size<T>.
 constexpr std::size_t block_points = 1024;
 template <class T>
 constexpr std::size_t block_room = block_points + batch_size<T> + group_size<T>;
-// Columns of a grid whose sines are taken at once.
+// The number of grid columns whose sines are computed at once.
 template <class T>
 constexpr std::size_t most_columns = 4096 / sizeof(T);
 

@@ -1,4 +1,4 @@
-// One call of evaluate(): which kernel runs, and how results are written.
+// A call of evaluate(): its kernel, and how results are written.
 #pragma once
 
 #include <algorithm>
@@ -10,11 +10,11 @@
 
 namespace darboux::evaluation {
 
-// Results of at least this many bytes are written past the caches: about the size from which these no longer
-// hold them (docs/reports/evaluation.md).
+// Results of at least this many bytes are written past the caches: about the size that no longer fits into
+// them (docs/reports/evaluation.md).
 constexpr std::size_t past_caches_from = std::size_t{10} << 20;
 
-// What all threads of a call share.
+// The data shared by all threads of a call.
 template <class T>
 class Call {
  public:
@@ -55,14 +55,14 @@ class Call {
   kernels::Kernel<T> kernel;  // none: point by point
   bool v_is_needed = true;
   bool past_caches = false;
-  bool direct = false;  // past the caches from registers; else by way of the stages
+  bool direct = false;  // past the caches directly from registers; otherwise through the stages
 
   bool on_stages() const { return past_caches && !direct; }
-  // Points from `at` to the next one all of whose numbers begin lines.
+  // The number of points from `at` to the next one whose values all begin cache lines.
   std::size_t to_line(std::size_t at) const { return direct ? (aligned_at_ - at) % batch_size<T> : 0; }
 
  private:
-  // Whether all numbers of some point begin lines; and then at which points of a batch they do.
+  // Whether there is a point whose values all begin cache lines; if so, determines their position in a batch.
   bool can_be_aligned() {
     for (aligned_at_ = 0; aligned_at_ < batch_size<T>; ++aligned_at_)
       if (std::all_of(layout.destinations.begin(), layout.destinations.begin() + layout.count,

@@ -1,4 +1,4 @@
-// Where the results of a call go: separate arrays, packed vectors, members of structs.
+// The layout of the results of a call: separate arrays, packed vectors, members of structs.
 #pragma once
 
 #include <algorithm>
@@ -18,10 +18,10 @@ using kernels::group_size;
 using kernels::line;
 using kernels::Variant;
 
-// Points staged before they are written past the caches.
+// The number of points staged before they are written past the caches.
 template <class T>
 constexpr std::size_t staged_points = group_size<T>;
-// An array of numbers, vectors or structs that results go to.
+// An array of numbers, vectors or structs to which results are written.
 struct Destination {
   char* to;               // of the call's first point
   std::ptrdiff_t stride;  // in bytes
@@ -47,7 +47,7 @@ struct Layout {
   std::size_t count = 0;  // of destinations
   std::size_t stage_bytes = 0;
   std::size_t bytes_a_point = 0;
-  bool without_gaps = true;  // all of it may be written in whole lines
+  bool without_gaps = true;  // all of it may be written in whole cache lines
 
   void add(T* to, std::ptrdiff_t stride, std::size_t bytes, Use use) {
     destinations[count] = {reinterpret_cast<char*>(to), stride, stage_bytes, 0, 0, nullptr};
@@ -83,8 +83,8 @@ void add_structs(Layout<T>& layout, const Outputs<T>& outputs) {
     return std::pair(x.stride, reinterpret_cast<std::uintptr_t>(x.to)) <
            std::pair(y.stride, reinterpret_cast<std::uintptr_t>(y.to));
   });
-  // The tile's rows are in the order of the numbers, so that each run is one piece of it. An attribute's own
-  // components are consecutive numbers, and so consecutive rows.
+  // The rows of the tile are in the order of the numbers, so that each run is contiguous. The components of
+  // an attribute are consecutive numbers, hence consecutive rows.
   for (std::size_t r = 0; r < count; ++r) {
     if (rows[r].component == 0) layout.slots[rows[r].attribute].row = r;
     kernels::Run<T>* run = layout.run_count > 0 ? &layout.runs[layout.run_count - 1] : nullptr;

@@ -1,5 +1,5 @@
-// What the kernels leave to the functions for single points: coordinates outside the domain or not finite,
-// limits, surfaces without a kernel.
+// Evaluates by the functions for single points what kernels do not support: coordinates outside the domain or
+// not finite, limits, surfaces without a kernel.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,8 @@ class ScalarFallback {
                  const std::array<kernels::Run<T>, all_components>& runs, Statuses<T>& statuses)
       : call_(call), work_(work), runs_(runs), statuses_(statuses) {}
 
-  // `count` points from the work's point `begin` on. \param work_first the point that is the work's first
+  // Evaluates `count` points of the work, starting at `begin`. \param work_first index of the first point of
+  // the work
   void operator()(std::size_t work_first, std::size_t begin, std::size_t count) {
     detail::PointValues<T> values;
     statuses_.summary.point_by_point += count;

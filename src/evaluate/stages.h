@@ -1,4 +1,4 @@
-// How results get to memory.
+// Writes results to memory.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace darboux::evaluation {
 
-// Where a thread's results go: to memory, or past the caches by way of stages, one per destination, that are
-// passed on line by line.
+// The outputs of a thread: directly to memory, or past the caches through stages, one per destination, which
+// are written line by line.
 template <class T>
 class Stages {
  public:
@@ -26,7 +26,7 @@ class Stages {
     }
   }
 
-  // Where the point `work_first` goes: in memory, or on the stage.
+  // Sets the addresses for the point `work_first`: in memory, or on the stage.
   void place(std::size_t work_first) {
     for (std::size_t k = 0; k < call_.layout.count; ++k) {
       const Destination& d = destinations_[k];
@@ -45,7 +45,7 @@ class Stages {
       d.line_to = to - d.skip;
     }
   }
-  // Passes on the whole lines that `count` more points have filled.
+  // Writes the whole cache lines that `count` more points have filled.
   void pass_on(std::size_t count) {
     for (std::size_t k = 0; k < call_.layout.count; ++k) {
       Destination& d = destinations_[k];

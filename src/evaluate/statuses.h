@@ -1,4 +1,4 @@
-// The statuses of a block of points, their way to memory, and what they add up to.
+// The statuses of a block of points: writes and counts them.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ class Statuses {
   std::uint32_t* data() { return status_.data(); }
   void set(std::size_t i, Status status) { status_[i] = static_cast<std::uint32_t>(status); }
 
-  // Takes down the statuses of `count` points, all zero where not `any`, and clears them.
+  // Records the statuses of `count` points (all zero unless `any`), and clears them.
   void note(std::size_t first, std::size_t count, bool any) {
     if (Status* to = outputs_.status_place(); to != nullptr) {
       const std::ptrdiff_t stride = outputs_.status_stride();

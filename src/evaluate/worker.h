@@ -11,8 +11,8 @@
 
 namespace darboux::evaluation {
 
-// One thread's part of a call. Blocks of points go from the source (arrays, a grid) through the kernel, or
-// the scalar fall-back, to the stages.
+// The part of a call that one thread evaluates. Blocks of points pass from the source (arrays, a grid)
+// through the kernel, or the scalar fallback, to the stages.
 template <class T>
 class Worker {
  public:
@@ -63,7 +63,7 @@ class Worker {
       const std::size_t rest = last - at;
       prefetch(u, at + block_points, last);
       if (v != u + 1) prefetch(v, at + block_points, last);
-      if (call_.points.stride() == sizeof(T) && rest >= 4 * G) {  // a group more may be read there
+      if (call_.points.stride() == sizeof(T) && rest >= 4 * G) {  // one more group can be read there
         const std::size_t odd = call_.to_line(at);
         n = odd + std::min(block_points, (rest - G - odd) / G * G);
         block(at, n, {u + at}, {v + at});
@@ -81,15 +81,14 @@ class Worker {
     (*call_.prepare)[static_cast<std::size_t>(kind)](x, count, sine, cosine);
   }
 
-  // The sines of the columns are taken once for all rows, or where these are long for the pieces of them
-  // that lie below each other.
+  // The sines of the columns are computed once for all rows; for long rows, once per tile of columns.
   void grid(std::size_t first, std::size_t last) {
     const std::size_t width = call_.points.columns() + 1;
     if (width < batch_size<T>) return short_rows(first, last);
     if (width < joined_rows_below<T> && !call_.kernel.by_rows) return joined_rows(first, last);
     work_.in_domain = true;
     const std::size_t tiles = (width + most_columns<T> - 1) / most_columns<T>;
-    const std::size_t tile_width = (width + tiles - 1) / tiles;  // as many in each, none too few for a kernel
+    const std::size_t tile_width = (width + tiles - 1) / tiles;  // equal widths, none too small for a kernel
     const std::size_t offset = call_.points.offset();            // in the rows, of the call's first point
     const std::size_t first_row = (offset + first) / width, last_row = (offset + last - 1) / width;
     if (last_row == first_row + 1) {  // no row is whole: each meets columns of its own
@@ -129,9 +128,8 @@ class Worker {
     }
   }
 
-  // Rows of few points, which would fill the last registers of each badly: several one after the other, with
-  // copies of the sines of the columns. What is singular at an end of the chart is so in all of the row, and
-  // goes without the others.
+  // Joins several short rows, which would leave registers partly empty, with copies of the sines of the
+  // columns. If a row is singular (at an end of the chart), it is so as a whole, and is evaluated separately.
   void joined_rows(std::size_t first, std::size_t last) {
     work_.in_domain = true;
     const Points<T>& points = call_.points;
@@ -139,7 +137,7 @@ class Worker {
     const std::size_t last_row = (offset + last - 1) / width;
     const bool linear_u = call_.surface.u == Coordinate::linear;
     const bool linear_v = call_.surface.v == Coordinate::linear;
-    // Whole registers are copied: what lies beyond `count` the next row overwrites, or nobody reads.
+    // Copies whole registers: values beyond `count` are overwritten by the next row, or never read.
     const auto copy = [](const T* from, std::size_t count, T* to) {
       for (std::size_t i = 0; i < count; i += batch_size<T>)
         for (std::size_t k = 0; k < batch_size<T>; ++k) to[i + k] = from[i + k];
@@ -155,7 +153,7 @@ class Worker {
     const auto is_end = [&](std::size_t row) {
       return has_ends && (points.row(row) == T(0) || points.row(row) == T(1));
     };
-    std::size_t rows_from = 0, rows_to = 0;  // whose sines are taken
+    std::size_t rows_from = 0, rows_to = 0;  // rows whose sines are computed
     stages_.begin(first);
     for (std::size_t at = first, n = 0; at < last; at += n) {
       std::size_t row = (offset + at) / width, column = (offset + at) % width;
@@ -185,7 +183,7 @@ class Worker {
     stages_.end();
   }
 
-  // Rows of fewer points than a kernel takes: as if they were arrays.
+  // Rows with fewer points than a kernel requires are evaluated like arrays.
   void short_rows(std::size_t first, std::size_t last) {
     work_.in_domain = false;
     stages_.begin(first);
@@ -212,7 +210,7 @@ class Worker {
     statuses_.summary.points += last - first;
   }
 
-  // Fetches the next block while this one is worked on.
+  // Prefetches the next block while this one is evaluated.
   void prefetch(const T* from, std::size_t at, std::size_t last) const {
     const std::ptrdiff_t stride = call_.points.stride();
     const char* source = reinterpret_cast<const char*>(from);
@@ -269,7 +267,7 @@ class Worker {
   Stages<T> stages_;
   Statuses<T> statuses_;
   ScalarFallback<T> fallback_;
-  std::size_t work_first_ = 0;  // the point that is the work's first
+  std::size_t work_first_ = 0;  // index of the first point of the work
   alignas(line) std::array<T, all_components * batch_size<T>> tile_;
   alignas(line) std::array<T, block_room<T>> raw_u_, raw_v_;
   alignas(line) std::array<T, group_size<T>> sine_v_, cosine_v_;

@@ -1,5 +1,5 @@
 /// \file accessor.h
-/// The typed accessor reader: bytes of a glTF buffer as numbers.
+/// Reads glTF accessors: bytes of a buffer as typed numbers.
 #pragma once
 
 #include <bit>
@@ -17,7 +17,7 @@ namespace darboux::io {
 static_assert(std::endian::native == std::endian::little,
               "glTF buffers are little-endian and copied as they are");
 
-/// An accessor's elements, strides removed and sparse values laid over.
+/// The elements of an accessor, tightly packed, with sparse values applied.
 struct Accessor {
   std::string type;  ///< "SCALAR", "VEC2", ... "MAT4"
   std::uint64_t component_type = component_f32;
@@ -28,7 +28,7 @@ struct Accessor {
   std::string bytes;              ///< count * element_bytes of them
 };
 
-/// Calls f with a zero of the C++ type that a glTF component type stands for.
+/// Calls f with a zero of the C++ type that corresponds to a glTF component type.
 template <class F>
 void with_component(std::uint64_t component_type, F&& f) {
   switch (component_type) {
@@ -56,22 +56,23 @@ T raw_component(const Accessor& accessor, std::size_t element, std::size_t compo
   return value;
 }
 
-/// What an accessor states of its elements, without them. \throws FileError
+/// The type and layout of the elements of an accessor, without their values. \throws FileError
 Accessor accessor_layout(const JsonCursor& accessor);
 
-/// The accessor that `index` names, checked against the bytes there are before anything is allocated. One
-/// without a bufferView is zeros, at most 1 MiB and four times the file's buffers of them: an attribute of a
-/// vertex takes at most 16 bytes, and what else a file stores of a vertex seldom less than 4. \throws
-/// FileError
+/// Reads the accessor with the given index. Its size is checked against the available bytes before
+/// allocation. An accessor without a bufferView is all zeros, limited to 1 MiB plus four times the size of
+/// the file's buffers: an attribute takes at most 16 bytes per vertex, and the other data of a vertex rarely
+/// less than 4. \throws FileError
 Accessor read_accessor(const GltfFile& file, const JsonCursor& index);
 
-/// Its elements where they lie, checked as read_accessor() does; nothing where they are to be read: those of
-/// sparse accessors, without a bufferView, or apart from each other. \param layout accessor_layout() of it
+/// A view of the elements in the buffer, checked as by read_accessor(). Empty if they must be copied: for
+/// sparse accessors, accessors without a bufferView, and strided elements. \param layout accessor_layout() of
+/// the accessor
 /// \throws FileError
 std::string_view elements_in_place(const GltfFile& file, const JsonCursor& index, const Accessor& layout);
 
-/// The numbers of a SCALAR or VEC accessor, in order; normalised integers as what they stand for.
-/// \param values count * components of them
+/// The numbers of a SCALAR or VEC accessor, in order, with normalised integers dequantised. \param values
+/// receives count * components numbers
 void numbers(const Accessor& accessor, std::span<double> values);
 
 /// Unsigned integers of a SCALAR accessor.

@@ -1,5 +1,5 @@
 /// \file budget.h
-/// How much memory the content of a file may take.
+/// Limits the memory for the content of a file.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,12 @@
 
 namespace darboux::io {
 
-/// Bytes per triangle, including what judging it takes: 12 for its corners, the rest for the edges, classes,
-/// areas and frames that all commands compute. validate of a plane grid of 4 million triangles peaks at 119
-/// per triangle.
+/// Bytes per triangle, including the memory for judging it: 12 for its indices, the rest for the edges,
+/// classes, areas and frames that commands compute. validate of a plane grid of 4 million triangles peaks at
+/// 119 per triangle.
 constexpr std::uint64_t triangle_bytes = 128;
 
-/// Of smaller files the default is less: they may ask for much more than they hold.
+/// Smaller files have a lower default limit, since they can declare much more content than they hold.
 inline constexpr std::uint64_t small_file = 10000000;
 
 /// A file as a whole, for Budget::take().
@@ -29,15 +29,16 @@ struct FilePlace {
   }
 };
 
-/// What a file asks for, added up against ReadOptions::max_memory.
+/// Adds up the memory that a file requires, and compares it with ReadOptions::max_memory.
 class Budget {
  public:
-  /// \param file_bytes of the file with its buffers, as they are stored \param taken of what is there already
+  /// \param file_bytes stored size of the file with its buffers \param taken bytes already in use
   Budget(const ReadOptions& options, std::uint64_t file_bytes, std::uint64_t taken = 0);
-  /// Decoded data that its buffers have got since it was read are taken.
+  /// Counts data that were decoded into the buffers since the file was read.
   explicit Budget(const GltfFile& file);
 
-  /// \param place has fail(expected, got), which throws FileError that names it \param what asks for it
+  /// \param place has fail(expected, got), which throws a FileError that names the place \param what the
+  /// content that needs the memory
   template <class Place>
   void take(std::uint64_t bytes, const Place& place, const std::string& what) {
     if (taken_ > most_ || bytes > most_ - taken_) place.fail(expected(), got(bytes, what));

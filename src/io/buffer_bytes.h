@@ -1,5 +1,6 @@
 /// \file buffer_bytes.h
-/// The bytes of a glTF buffer in pieces: those of a file, which may be mapped, and each that was appended.
+/// The bytes of a glTF buffer as a list of pieces: those of the file, which may be memory-mapped, and
+/// appended ones.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +14,7 @@
 
 namespace darboux::io {
 
-/// Bytes, and what keeps them where they are.
+/// A range of bytes, and the owner that keeps them alive.
 struct Piece {
   std::string_view bytes;
   std::shared_ptr<const void> owner;
@@ -22,11 +23,11 @@ struct Piece {
     const auto kept = std::make_shared<const std::string>(std::move(text));
     return {*kept, kept};
   }
-  /// A part of it, which keeps all of it.
+  /// A subrange, which keeps the whole piece alive.
   Piece part(std::size_t begin, std::size_t length) const { return {bytes.substr(begin, length), owner}; }
 };
 
-/// Pieces one after the other. What was once appended stays where it is: views of it hold.
+/// A sequence of pieces. Appended bytes never move, so views of them remain valid.
 class BufferBytes {
  public:
   BufferBytes(Piece first) { append(std::move(first)); }                        // NOLINT: converting
@@ -39,9 +40,9 @@ class BufferBytes {
     size_ += piece.bytes.size();
     pieces_.push_back(std::move(piece));
   }
-  /// Some of the bytes, nothing where they do not lie in one piece.
+  /// A range of the bytes; empty if it is not within one piece.
   std::optional<std::string_view> within(std::size_t begin, std::size_t length) const {
-    // The last piece that begins there or before, of those that begin at one place the one that is not empty.
+    // The last piece that begins at or before `begin`; of several with equal begin, the non-empty one.
     const auto after = std::upper_bound(begins_.begin(), begins_.end(), begin);
     const auto k = static_cast<std::size_t>(after - begins_.begin()) - 1;
     const std::string_view bytes = pieces_[k].bytes;

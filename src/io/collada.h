@@ -1,5 +1,5 @@
 /// \file collada.h
-/// A COLLADA document, and how a message names a place in it.
+/// A COLLADA document, with error messages that name the element.
 #pragma once
 
 #include <cstdint>
@@ -26,20 +26,20 @@ class Collada {
   /// \throws FileError "FILE: <source> at byte 120, id "x": expected EXPECTED, got GOT"
   [[noreturn]] void fail(const pugi::xml_node& at, const std::string& expected, const std::string& got) const;
 
-  /// The element that an attribute names as "#id", null where there is none.
+  /// The element to which an attribute refers as "#id"; null if there is none.
   pugi::xml_node find(const pugi::xml_node& at, const char* attribute) const;
 
-  /// The same. \param kind its name \throws FileError where there is none
+  /// The same. \param kind the expected element name \throws FileError if there is none
   pugi::xml_node target(const pugi::xml_node& at, const char* attribute, const char* kind) const;
 
-  /// A whole number in an attribute. \throws FileError where it is none
+  /// An unsigned integer attribute. \throws FileError if it is not an integer
   std::uint64_t count(const pugi::xml_node& at, const char* attribute, std::uint64_t fallback) const;
 
-  /// The numbers that an element's text is. \throws FileError where something else stands there
+  /// The numbers in the text of an element. \throws FileError if the text contains anything else
   std::vector<double> numbers(const pugi::xml_node& at) const;
   std::vector<std::uint64_t> indices(const pugi::xml_node& at) const;
 
-  /// The numbers of a <float_array>, read once. \throws FileError where they are not as many as it states
+  /// The numbers of a <float_array>, cached. \throws FileError if their number differs from the stated count
   const std::vector<double>& array(const pugi::xml_node& at) const;
 
  private:
@@ -49,7 +49,7 @@ class Collada {
   mutable std::unordered_map<const void*, std::vector<double>> arrays_;
 };
 
-/// An element, for messages.
+/// An element, for error messages.
 struct ColladaPlace {
   const Collada& file;
   const pugi::xml_node& element;
@@ -58,12 +58,12 @@ struct ColladaPlace {
   }
 };
 
-/// The groups of polygons of a <geometry>, one primitive each, and what was passed over. \param number of the
-/// geometry \param instances of each of them
+/// Reads the polygon groups of a <geometry>, one primitive each, and reports what was skipped. \param number
+/// the index of the geometry \param instances the instances of each primitive
 void read_geometry(const Collada& file, const pugi::xml_node& geometry, std::size_t number,
                    const Instances& instances, Budget& budget, Asset& asset);
 
-/// World matrices of the nodes that show each of these. \throws FileError
+/// World matrices of the nodes that reference each geometry. \throws FileError
 std::vector<std::vector<Eigen::Matrix4d>> read_instances(const Collada& file,
                                                          const std::vector<pugi::xml_node>& geometries);
 

@@ -1,5 +1,5 @@
 /// \file float_mesh.h
-/// The triangles of a primitive in single precision, as most files store them: arrays where they lie.
+/// The triangles of a primitive in single precision, as most files store them, without copying the arrays.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace darboux::io {
 
-/// Numbers of a file: where they lie, or a copy where they are not tightly packed.
+/// Numbers of a file: a view if they are tightly packed, else a copy.
 template <class T>
 class InPlace {
  public:
@@ -31,14 +31,14 @@ class InPlace {
 /// A list of triangles.
 struct FloatMesh {
   InPlace<float> positions, normals, uvs;  ///< x, y, z; x, y, z; u, v of each vertex
-  InPlace<std::uint32_t> corners;          ///< the vertex of each; none: corner i is vertex i
+  InPlace<std::uint32_t> corners;          ///< the vertex of each corner; empty: corner i is vertex i
   std::size_t vertices = 0, triangles = 0;
 };
 
-/// The same triangles as those of a Mesh, without its doubles, of a list of triangles with floats for
-/// positions, normals and uvs as they are stored: no texture transform, no morph targets. Nothing of others,
-/// where a number is not finite, and where all positions or all uvs are below 2^-100. Everything is checked
-/// as read_gltf() does, TANGENT too. \param primitive gets what read_gltf() finds beside the numbers
+/// Reads the same triangles as a Mesh, but as floats. Only for triangle lists whose positions, normals and
+/// uvs are stored as floats, without texture transform or morph targets. Empty for other primitives, if a
+/// number is not finite, and if all positions or all uvs are below 2^-100. Everything is checked as by
+/// read_gltf(), including TANGENT. \param primitive receives what read_gltf() reads besides the numbers
 /// \throws FileError
 std::optional<FloatMesh> read_float_mesh(const GltfFile& file, const JsonCursor& place, std::uint64_t mode,
                                          Primitive& primitive);

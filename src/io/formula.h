@@ -1,5 +1,6 @@
 /// \file formula.h
-/// A formula file as a program: its definitions, translated into instructions that run over any scalar.
+/// A formula file as a program: its definitions, compiled to instructions that can be evaluated for any
+/// scalar type.
 #pragma once
 
 #include <array>
@@ -9,7 +10,7 @@
 
 namespace darboux::io::formula {
 
-/// What an expression may call; the signs are functions of one argument.
+/// The functions in expressions, including the unary signs.
 enum class Function : std::uint8_t {
   minus,
   plus,
@@ -37,7 +38,7 @@ enum class Function : std::uint8_t {
   min,
   max
 };
-/// What an instruction does with the stack.
+/// The effect of an instruction on the stack.
 enum class Operation : std::uint8_t {
   number,
   variable,
@@ -64,7 +65,7 @@ enum class Operation : std::uint8_t {
 struct Instruction {
   Operation operation;
   double number = 0;
-  int index = 0;  // variable; how far to jump; power: whether the exponent is constant
+  int index = 0;  // variable; jump distance; power: whether the exponent is constant
   Function function = Function::plus;
 };
 
@@ -77,10 +78,10 @@ struct Definition {
   bool parameter = false;  // defined by numbers alone
 };
 
-/// Variables are numbered u, v, pi, then the definitions in the file's order.
+/// Variables are numbered: u, v, pi, then the definitions in file order.
 inline constexpr int first_definition = 3;
 
-/// A file, ready to run: the definitions in `order`, one after another, give x, y and z.
+/// A compiled file: evaluating the definitions in `order` gives x, y and z.
 struct Program {
   std::vector<Definition> definitions;
   std::vector<int> parameters,
@@ -89,8 +90,7 @@ struct Program {
   std::array<int, 3> position{};  // the variables x, y, z
 };
 
-/// Reads a formula file.
-/// \throws FileError naming the file, the line and, in an expression that cannot be read, the column
+/// Reads a formula file. \throws FileError naming the file, the line and, for a syntax error, the column
 Program read_program(const std::string& path);
 
 }  // namespace darboux::io::formula

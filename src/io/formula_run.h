@@ -1,6 +1,6 @@
 /// \file formula_run.h
-/// Runs the instructions of a formula over any scalar: float and double, dual numbers for the partials, wide
-/// real numbers.
+/// Evaluates the instructions of a formula for any scalar type: float, double, dual numbers for the partials,
+/// multiprecision numbers.
 #pragma once
 
 #include <cmath>
@@ -166,7 +166,7 @@ S apply(Function f, const S& x) {
   }
 }
 
-/// The value of an expression. The stack is the caller's, so that its memory is used again.
+/// The value of an expression. The caller provides the stack, so that its memory is reused.
 template <class S>
 S execute(const std::vector<Instruction>& code, const std::vector<S>& variables, std::vector<S>& stack) {
   const S zero = lift<S>(0.0), one = lift<S>(1.0);

@@ -1,5 +1,5 @@
 /// \file image_formats.h
-/// One function per format, each wrapping its library.
+/// Readers and writers of image formats; each wraps a library.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,12 @@
 
 namespace darboux::io {
 
-/// Bounds what a file of so many bytes may claim: its texels, and the memory they take. \throws FileError
+/// Checks the number of texels declared by a file, and the memory they take, against the limits. \throws
+/// FileError
 void check_image_size(const std::string& file, std::uint64_t width, std::uint64_t height,
                       std::uint64_t texel_bytes, std::uint64_t file_bytes, const ReadImageOptions& options);
 
-/// Refuses a file that claims more than `ratio` times its bytes, which no compression gives. \throws
+/// Rejects a file that declares more than `ratio` times its bytes, which no compression achieves. \throws
 /// FileError
 void check_compression(const std::string& file, std::uint64_t raw_bytes, std::uint64_t bytes,
                        std::uint64_t ratio);
@@ -22,7 +23,7 @@ void check_compression(const std::string& file, std::uint64_t raw_bytes, std::ui
 /// \throws FileError for a file that says its numbers are not linear
 void refuse_colour_tag(const std::string& file, const std::string& tag, const ReadImageOptions& options);
 
-/// Whether bytes begin as an EXR does.
+/// Whether the bytes have the signature of an EXR file.
 bool is_exr(std::string_view bytes);
 
 // \throws FileError

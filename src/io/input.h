@@ -1,5 +1,5 @@
 /// \file input.h
-/// Reading in pieces: the bytes of a file, and the lines of a text. Memory does not grow with the file.
+/// Streaming input: the bytes of a file, and the lines of a text. Memory does not grow with the file.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace darboux::io {
 
-/// A file descriptor that is closed with its owner.
+/// Owns a file descriptor, and closes it on destruction.
 struct Descriptor {
   int value = -1;
   Descriptor() = default;
@@ -24,20 +24,21 @@ struct Descriptor {
 /// finish() reports it.
 class InputBytes final : public std::streambuf {
  public:
-  /// \param kind what is expected, "CSV file of u,v" \throws FileError when it cannot be opened
+  /// \param kind the expected kind of file, for messages: "CSV file of u,v" \throws FileError if it cannot be
+  /// opened
   InputBytes(const std::string& path, std::string kind);
 
   const std::string& path() const { return path_; }
-  /// Bytes of a regular file from where it stood on.
+  /// The remaining bytes of a regular file, from its position when opened.
   std::optional<std::uint64_t> size() const { return size_; }
-  /// Bytes taken from it.
+  /// The number of bytes consumed.
   std::uint64_t taken() const { return filled_ - static_cast<std::uint64_t>(egptr() - gptr()); }
   std::optional<double> share() const;
   /// Up to `count` bytes, fewer only at the end.
   std::size_t take(char* to, std::size_t count) {
     return static_cast<std::size_t>(sgetn(to, static_cast<std::streamsize>(count)));
   }
-  /// To be called at the end. \throws FileError when it was not the end, but an error
+  /// Call this at the end of the stream. \throws FileError if it ended because of an error
   void finish() const;
 
  protected:
@@ -52,19 +53,19 @@ class InputBytes final : public std::streambuf {
   std::optional<std::uint64_t> size_;
 };
 
-/// The lines of a text in UTF-8. Empty lines and those that begin with # are passed over.
+/// The lines of a UTF-8 text. Empty lines and lines that begin with # are skipped.
 class Lines {
  public:
   /// \param expected what messages say was expected: "lines like 0.25,0.5"
   Lines(InputBytes& bytes, std::string expected) : bytes_(bytes), expected_(std::move(expected)) {}
 
-  /// The next line, false at the end. \throws FileError for a line of more than 65536 bytes, so that a file
-  /// without line ends is not read whole, a carriage return within one, and UTF-16 \param comments are lines
-  /// too
+  /// Advances to the next line; false at the end. \throws FileError for a line of more than 65536 bytes (so a
+  /// file without line ends is not read completely), a carriage return within a line, and UTF-16 \param
+  /// comments whether comment lines count as lines
   bool next(bool comments = false);
-  /// It, without blanks at its ends, nor a byte order mark.
+  /// The current line, without leading and trailing blanks and without a byte order mark.
   std::string_view text() const { return text_; }
-  /// Of the line in the file, from 1.
+  /// The number of the line in the file, from 1.
   std::uint64_t number() const { return number_; }
   /// \throws FileError "FILE:LINE: expected lines like 0.25,0.5, got GOT"
   [[noreturn]] void fail(const std::string& got) const;
@@ -76,21 +77,21 @@ class Lines {
   std::uint64_t number_ = 0;
 };
 
-/// Without blanks, tabs and carriage returns at its ends.
+/// The text without leading and trailing blanks, tabs and carriage returns.
 std::string_view trimmed(std::string_view text);
 
-/// The whole text, but for blanks at its ends, as a double, whatever the locale. NaN and infinities are
-/// numbers here; what is beyond the range of double is none.
+/// Parses the whole text, except for leading and trailing blanks, as a double, independent of the locale. NaN
+/// and infinities are accepted; numbers beyond the range of double are not.
 std::optional<double> parse_number(std::string_view text);
 
-/// What separates the fields of a table whose first line this is: a semicolon, a comma, or else blanks and
-/// tabs, as ' '.
+/// The field separator of a table with this first line: a semicolon, else a comma, else ' ' for blanks and
+/// tabs.
 char separator_of(std::string_view line);
 
-/// The fields of a line between `separator`, or between runs of blanks and tabs where it is a blank.
+/// Splits a line at `separator`; if that is a blank, at runs of blanks and tabs.
 void split_fields(std::string_view line, char separator, std::vector<std::string_view>& fields);
 
-/// The same of a row of a table: without the quotes about fields.
+/// The same for a row of a table; quotes around fields are removed.
 void split_row(std::string_view line, char separator, std::vector<std::string_view>& fields);
 
 }  // namespace darboux::io

@@ -1,5 +1,5 @@
 /// \file json_cursor.h
-/// A value within a JSON document that knows its name there, so that messages say where they are:
+/// A value within a JSON document that knows its path, so that messages state the location:
 /// "accessors[3].count: expected an integer not below 1, got -1", or as a JSON pointer "/accessors/3/count".
 #pragma once
 
@@ -25,14 +25,14 @@ namespace darboux::io {
 /// Keeps the order of keys, so that a rewritten document stays close to the original.
 using Json = nlohmann::ordered_json;
 
-/// \param error what the parser says \throws FileError with the subject `file`, in the words of this tool
+/// \param error the error of the parser \throws FileError with the subject `file`, in the format of this tool
 [[noreturn]] void refuse_json(const std::string& file, const nlohmann::detail::exception& error);
 
 /// \param text JSON of at most 256 levels \throws FileError with the subject `file`
 Json parse_json(const std::string& file, std::string_view text);
 
-/// A value of a document that knows its name there. Every reader throws FileError when the value is not what
-/// is asked for. It refers to the document and must not outlive it.
+/// A value of a document that knows its path. All accessors throw FileError if the value does not have the
+/// requested type. It refers to the document and must not outlive it.
 class JsonCursor {
  public:
   JsonCursor(const std::string& file, const Json& json, std::string name)
@@ -55,10 +55,10 @@ class JsonCursor {
   [[noreturn]] void fail(const std::string& expected, const std::string& got) const {
     refuse(expected_got(expected, got));
   }
-  /// The same, where the value itself is what was got.
+  /// The same, with the value itself as what was found.
   [[noreturn]] void fail(const std::string& expected) const { fail(expected, shown()); }
 
-  /// The value itself for a message: numbers in full, texts quoted, else its type.
+  /// The value for a message: numbers in full, texts quoted, otherwise the type.
   std::string shown() const {
     if (json_->is_string()) return in_quotes(json_->get_ref<const std::string&>());
     return json_->is_structured() ? json_->type_name() : json_->dump();
@@ -75,13 +75,13 @@ class JsonCursor {
     return {*file_, value, name_ == "the document" ? key : name_ + "." + key};
   }
 
-  /// The object of an extension, nothing where the value does not have it.
+  /// The object of an extension; empty if the value does not have it.
   std::optional<JsonCursor> extension(const char* key) const {
     if (!has("extensions") || !at("extensions").has(key)) return std::nullopt;
     return at("extensions").at(key);
   }
 
-  /// Refuses an object with another key than these.
+  /// Rejects an object with other keys than these.
   void expect_keys(std::initializer_list<const char*> known) const {
     if (!json_->is_object()) fail("an object");
     for (const auto& [key, value] : json_->items())
@@ -110,7 +110,7 @@ class JsonCursor {
                                 : "from " + std::to_string(least) + " to " + std::to_string(most)));
     return *value;
   }
-  /// The integer under a key that may be missing.
+  /// The integer of an optional key.
   std::uint64_t integer_or(const char* key, std::uint64_t fallback) const {
     return has(key) ? at(key).integer() : fallback;
   }

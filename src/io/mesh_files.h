@@ -1,5 +1,5 @@
 /// \file mesh_files.h
-/// Files of meshes other than glTF, as an Asset. All throw FileError.
+/// Reads mesh formats other than glTF. All functions throw FileError.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace darboux::io {
 
-/// Of those that a primitive keeps: glTF asks readers for two, assimp knows eight.
+/// The maximum number of uv sets of a primitive: glTF requires two, assimp supports eight.
 constexpr int most_uv_sets = 8;
 
-/// A tangent whose w is the side of cross(n, t) that the bitangent lies on, 0 where it lies on none.
+/// A tangent with w = sign of b · cross(n, t); 0 if that is zero.
 inline Vec4<double> with_side(const Vec3<double>& n, const Vec3<double>& t, const Vec3<double>& b) {
   const double side = dot(cross(n, t), b);
   return {t.x, t.y, t.z, side > 0 ? 1.0 : side < 0 ? -1.0 : 0.0};
@@ -19,7 +19,7 @@ inline Vec4<double> with_side(const Vec3<double>& n, const Vec3<double>& t, cons
 
 /// What assimp reads.
 enum class AssimpFormat { obj, fbx };
-/// OBJ and FBX, by assimp in a process of its own.
+/// OBJ and FBX, by assimp in a separate process.
 Asset read_with_assimp(const std::string& path, const std::string& bytes, AssimpFormat format,
                        const ReadOptions& options);
 

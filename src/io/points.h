@@ -1,5 +1,5 @@
 /// \file points.h
-/// Points on their way from a file into a cloud.
+/// Collects points from a file into a cloud.
 #pragma once
 
 #include <array>
@@ -17,32 +17,31 @@
 
 namespace darboux::io {
 
-/// What a point may have: x y z, nx ny nz, u v.
+/// The numbers of a point: x y z, nx ny nz, u v.
 using PointNumbers = std::array<double, 8>;
 
 /// What the columns of a file hold.
 struct PointColumns {
-  std::vector<int> slots;  ///< for each column its place among the PointNumbers, or -1
+  std::vector<int> slots;  ///< for each column its index in PointNumbers, or -1
   bool normals = false, uvs = false;
 
-  /// From the columns' names. \throws FileError with the subject `where` when x, y or z is missing or one is
-  /// there twice
+  /// Determines the columns from their names. \throws FileError with the subject `where` if x, y or z is
+  /// missing, or a name occurs twice
   static PointColumns named(std::span<const std::string> names, const std::string& where);
 };
 
 /// An open file and the points read from it so far.
 class PointReader {
  public:
-  /// \param kind what is expected, "PLY file" \throws FileError when it is not a regular file that can be
-  /// read
+  /// \param kind the expected kind of file, "PLY file" \throws FileError if it is not a readable regular file
   PointReader(const std::string& path, const std::string& kind, const std::function<void(double)>& progress);
 
   InputBytes& bytes() { return bytes_; }
   const std::string& path() const { return bytes_.path(); }
-  /// \param where where it stands, "line " or "vertex ", and its number
+  /// \param where its location: "line " or "vertex ", and the number
   void add(const PointColumns& columns, const PointNumbers& point, std::string_view where,
            std::uint64_t number);
-  /// What was read. \throws FileError when the file was not read to its end for an error, or holds no points
+  /// Returns the points. \throws FileError if reading ended because of an error, or if there are no points
   PointFile finish();
 
  private:
@@ -51,7 +50,7 @@ class PointReader {
   PointFile result_;
 };
 
-/// A number of a line. \throws FileError with file and line when it is none
+/// Parses a number of a line. \throws FileError with file and line if it is not a number
 double number_of(std::string_view field, const Lines& lines);
 
 /// Fills in PointFile::place. \param used by a triangle

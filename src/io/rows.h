@@ -1,5 +1,5 @@
 /// \file rows.h
-/// PLY and PCD: a header in lines that describes rows of typed numbers, then the rows, as text or as bytes.
+/// PLY and PCD: a text header that describes rows of typed numbers, followed by the rows, as text or binary.
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ class RowReader {
     for (std::uint64_t i = 0; i < table.rows; ++i) read_row(table, i, [](std::size_t, double) {});
   }
 
-  /// Calls use(field, number) for each number of the next row, those of lists included. \throws FileError
+  /// Calls use(field, number) for each number of the next row, including those of lists. \throws FileError
   template <class Use>
   void read_row(const Table& table, std::uint64_t row, Use use) {
     if (encoding_ == Encoding::ascii) {
@@ -87,7 +87,7 @@ class RowReader {
     return point;
   }
 
-  /// \throws FileError where something follows the last table
+  /// \throws FileError if anything follows the last table
   void expect_end(const Table& last);
 
  private:
@@ -100,7 +100,8 @@ class RowReader {
   std::vector<std::string_view> words_;
 };
 
-/// What the fields of a table hold of points; lists hold nothing. \throws FileError with the subject `path`
+/// The columns of a table that contain numbers of points; lists contain none. \throws FileError with the
+/// subject `path`
 PointColumns point_columns(const Table& table, const std::string& path);
 
 /// A count in a header.

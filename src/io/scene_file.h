@@ -25,14 +25,14 @@ struct SceneFile {
   SceneRequest request;
 };
 
-/// What makes a surface of its text in the file: "torus:major_radius=1,minor_radius=0.4".
+/// Makes a surface from its text in the file: "torus:major_radius=1,minor_radius=0.4".
 using MakeSurface = std::function<AnySurface(std::string_view)>;
 
 inline constexpr std::size_t most_scene_instances = 10000000;  // 1.5 GB of memory
 
 /// Reads a scene of at most 128 MiB of JSON and 10^7 instances. Cost: about 20 us for an instance that is
-/// written out, 0.2 us for one that is scattered. \throws FileError naming the file and, as a JSON pointer,
-/// what is wrong in it: an unknown key, a value out of range, a surface that make_surface refuses
+/// listed, 0.2 us for a scattered one. \throws FileError with the file and a JSON pointer, for an unknown
+/// key, a value out of range, or a surface that make_surface rejects
 SceneFile read_scene_file(
     const std::string& path,
     const MakeSurface& make_surface = [](std::string_view text) { return darboux::make_surface(text); });

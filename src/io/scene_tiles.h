@@ -1,5 +1,5 @@
 /// \file scene_tiles.h
-/// The tiles of a scene as a GLB.
+/// Writes the tiles of a scene as a GLB.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +17,15 @@ struct GltfFile;
 
 namespace darboux::io {
 
-/// Collects tiles: a mesh per patch and material, with the samples' float32 POSITION, NORMAL, TEXCOORD_0 and
-/// TANGENT where they were evaluated, in the surface's own space, and a node per tile that places it. So what
-/// several instances share is stored once. Materials say what they read in their names alone.
+/// Collects tiles: one mesh per patch and material, with POSITION, NORMAL, TEXCOORD_0 and TANGENT of the
+/// samples as float32, if evaluated, in the space of the surface; and one node per tile with its placement.
+/// So data shared by several instances are stored once. What a material reads is only stated in its name.
 class SceneTiles {
  public:
   SceneTiles(const std::string& path, const Scene& scene, std::vector<std::string> surface_names);
   ~SceneTiles();
 
-  /// \throws MeshError where a position is not finite as a float
+  /// \throws MeshError if a position is not finite as a float
   void add(const TileSamples& tile);
   /// \throws FileError for 4 GiB and more
   std::string to_glb() const;

@@ -1,5 +1,5 @@
 /// \file tangent_space.h
-/// What of a glTF material reads the tangent frame.
+/// Determines which properties of a glTF material read the tangent frame.
 #pragma once
 
 #include <array>
@@ -21,25 +21,25 @@ struct FrameReader {
   bool has_texture = false;    ///< it reads the frame through a texture
   bool is_normal_map = false;  ///< that texture is a normal map: viewers derive the frame from its uvs
   bool two_channels = false;   ///< a normal map of x and y alone
-  std::optional<std::uint64_t> texture{};            ///< its index, where it is given
+  std::optional<std::uint64_t> texture{};            ///< its index, if given
   double scale = 1;                                  ///< of a normal map: its x and y are multiplied by it
   bool scale_animated = false;                       ///< as far as SwitchedOff::animated says
   std::uint64_t texcoord = 0;                        ///< TEXCOORD set of the texture, 0 when there is none
   std::optional<std::array<double, 6>> transform{};  ///< its KHR_texture_transform, as Primitive has it
 };
 
-/// What switches a reader off.
+/// Conditions that disable a property that reads the frame.
 struct SwitchedOff {
-  bool by_factors = false;           ///< a factor of 0 does, unless it is animated
+  bool by_factors = false;           ///< a factor of 0 disables it, unless it is animated
   std::set<std::string> animated{};  ///< JSON pointers that animations write to
 };
 
 /// The pointers of KHR_animation_pointer. \throws FileError
 std::set<std::string> animated_pointers(const GltfFile& file);
 
-/// What of one material reads the frame: normalTexture, the clearcoatNormalTexture of
+/// The properties of one material that read the frame: normalTexture, the clearcoatNormalTexture of
 /// KHR_materials_clearcoat, KHR_materials_anisotropy with or without a texture, the normal maps of
-/// MSFT_packing_normalRoughnessMetallic and MSFT_packing_occlusionRoughnessMetallic. Nothing of a material
+/// MSFT_packing_normalRoughnessMetallic and MSFT_packing_occlusionRoughnessMetallic. Empty for a material
 /// with KHR_materials_unlit. \param index a material of the document \throws FileError
 std::vector<FrameReader> frame_readers(const GltfFile& file, std::size_t index, const SwitchedOff& off = {});
 
@@ -47,11 +47,11 @@ std::vector<FrameReader> frame_readers(const GltfFile& file, std::size_t index, 
 /// \throws FileError
 std::vector<std::size_t> materials_of(const GltfFile& file, const JsonCursor& primitive);
 
-/// What the materials of a primitive ask of its tangents.
+/// The requirements of a primitive's materials on its tangents.
 struct TangentSpace {
   bool needed = false;         ///< something reads them
-  bool names = false;          ///< a texture that does names its uv set
-  std::uint64_t texcoord = 0;  ///< TEXCOORD set of the first texture that does, 0 when there is none
+  bool names = false;          ///< a texture that reads them names its uv set
+  std::uint64_t texcoord = 0;  ///< TEXCOORD set of the first texture that reads them, 0 if there is none
   std::optional<std::array<double, 6>> transform;  ///< its KHR_texture_transform, as Primitive has it
 };
 

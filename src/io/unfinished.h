@@ -1,5 +1,5 @@
 /// \file unfinished.h
-/// Files that are not finished, which no signal but SIGKILL leaves behind.
+/// Removes unfinished files if a signal other than SIGKILL ends the process.
 #pragma once
 
 #include <csignal>
@@ -7,8 +7,8 @@
 
 namespace darboux::io {
 
-/// While one lives, no signal interrupts this thread, and none that remove_unfinished_on_signals() knows ends
-/// the process. One thread at a time has it; it is not nested.
+/// While an object exists, no signal interrupts this thread, and no signal handled by
+/// remove_unfinished_on_signals() ends the process. Only one thread at a time can have one; not nestable.
 class Uninterrupted {
  public:
   Uninterrupted();
@@ -20,15 +20,15 @@ class Uninterrupted {
   sigset_t before_;
 };
 
-/// The name of a file to be removed when a signal ends the process. Both are called in a scope with
-/// Uninterrupted that creates, renames or removes the file too.
+/// Registers (add) or unregisters (drop) a file to be removed if a signal ends the process. Call both in an
+/// Uninterrupted scope that also creates, renames or removes the file.
 void add_unfinished(const std::string& name);
 void drop_unfinished(const std::string& name);
 
 /// For the whole process: all signals that would end it (SIGHUP, SIGINT, SIGTERM, SIGALRM, SIGUSR1, SIGABRT,
-/// those of crashes, real-time signals, ...; not SIGKILL), where they are neither ignored nor handled, remove
-/// what is unfinished and then end it as they would have done. SIGXFSZ is ignored, so that a file that gets
-/// too large is an error of write().
+/// those of crashes, real-time signals, ...; not SIGKILL), if they are neither ignored nor handled, remove
+/// unfinished files and then end the process as they would have done. SIGXFSZ is ignored, so that exceeding
+/// the file size limit is an error of write().
 void remove_unfinished_on_signals();
 
 }  // namespace darboux::io

@@ -1,5 +1,5 @@
 /// \file dilate.h
-/// Islands grow into the gutter between them.
+/// Extends islands into the gutter between them.
 #pragma once
 
 #include <array>
@@ -10,8 +10,9 @@
 
 namespace darboux::normal_map {
 
-/// Gives empty texels within so many steps of a covered one its channels, but for alpha. Of several that are
-/// equally near, those beside and above come first. \param wraps across the map's edges, along u and v
+/// Copies the channels, except alpha, of the nearest covered texel to empty texels within `steps` steps. Of
+/// several equally near ones, direct neighbours come before diagonal ones. \param wraps whether steps cross
+/// the edges of the map, along u and v
 /// \returns how many texels were filled. Cost: linear in the texels.
 std::size_t dilate(Image& image, std::vector<TexelState>& states, int steps, std::array<bool, 2> wraps);
 

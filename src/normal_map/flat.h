@@ -1,5 +1,5 @@
 /// \file flat.h
-/// Which texels are flat: they leave the normal as it is.
+/// Tests for flat texels, which do not change the normal.
 #pragma once
 
 #include <cmath>
@@ -8,8 +8,8 @@
 
 namespace darboux::normal_map {
 
-/// Whether a texel is (0, 0, 1) as far as 8 bits can tell, its x and y times a scale: |x|, |y| <= 1/255 and z
-/// >= 1 - 2/255. Of two channels z is not read.
+/// Whether a texel, with x and y multiplied by a scale, is (0, 0, 1) to within 8 bits: |x|, |y| <= 1/255 and
+/// z >= 1 - 2/255. With two channels z is not read.
 inline bool is_flat(const Vec3<double>& n, double scale = 1, bool two_channels = false) {
   constexpr double step = 1.0 / 255, rounding = 1e-12;
   return scale * std::fmax(std::fabs(n.x), std::fabs(n.y)) <= step + rounding &&

@@ -1,5 +1,5 @@
 /// \file frames.h
-/// Frames at the texels of a triangle, as shaders make them.
+/// Frames at the texels of a triangle, as computed by shaders.
 #pragma once
 
 #include <algorithm>
@@ -26,14 +26,14 @@ inline Vec3<double> times(const Columns& m, const Vec3<double>& x) {
   return x.x * m.t + x.y * m.b + x.z * m.n;
 }
 
-/// M⁻¹ d times |det M|, NaN or zero where it has none.
+/// M⁻¹ d times |det M|; NaN or zero if M is singular.
 inline Vec3<double> inverse_times(const Columns& m, const Vec3<double>& d) {
   const Vec3<double> across = cross(m.b, m.n);
   const double side = dot(m.t, across) < 0 ? -1 : 1;
   return side * Vec3<double>{dot(across, d), dot(cross(m.n, m.t), d), dot(cross(m.t, m.b), d)};
 }
 
-/// What a vertex gives to the corner of a triangle.
+/// The attributes of a triangle corner.
 struct Corner {
   Vec3<double> t, n;
   double w = 1;  ///< w n × t points up the image
@@ -45,7 +45,7 @@ struct Along {
   Vec3<double> operator()(double i) const { return at + i * step; }
 };
 
-/// The frame that MikkTSpace asks for: t, w n × t, n.
+/// The frame that MikkTSpace requires: t, w n × t, n.
 class MikkFrames {
  public:
   /// \param scale of t and b

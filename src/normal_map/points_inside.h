@@ -39,8 +39,8 @@ struct PointInside {
   Vec3<double> truth;   ///< the surface's, unit
 };
 
-/// f(triangle, its lowest class) gives what is called with each of `samples` points of that triangle; those
-/// without area in uv have none. \param mesh with normals and uvs
+/// f(triangle, its lowest class) returns a function, which is called with each of `samples` points of that
+/// triangle. Triangles without uv area are skipped. \param mesh with normals and uvs
 template <class F>
 void each_point_inside(const PlacedSurface& surface, const Mesh& mesh, int samples, std::uint64_t seed,
                        const F& f) {

@@ -1,5 +1,5 @@
 /// \file sampler.h
-/// Maps between texels.
+/// Samples maps between texels.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace darboux::normal_map {
 
-/// A map as a renderer reads it.
+/// Samples a map as a renderer does.
 class Sampler {
  public:
   /// \param green of a tangent-space map; opengl: y is as it is. The map outlives it.
@@ -27,7 +27,7 @@ class Sampler {
         v_up_(piece.v_up),
         green_(green == MapGreen::directx ? -1 : 1) {}
 
-  /// Between the four texels about uv, y up the image.
+  /// Bilinear interpolation between the four texels around uv, y up the image.
   Vec3<double> at(const Vec2<double>& uv) const {
     const double x = uv.x * static_cast<double>(width_) - 0.5;
     const double y = (v_up_ ? 1 - uv.y : uv.y) * static_cast<double>(height_) - 0.5;

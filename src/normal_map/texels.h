@@ -1,5 +1,5 @@
 /// \file texels.h
-/// Texels of normal maps as vectors, and back.
+/// Converts between texels of normal maps and vectors.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ inline double code_step(SampleType type) {
   return type == SampleType::f32 ? 2.0 / 65535 : 1;
 }
 
-/// Codes and the numbers they stand for.
+/// Converts between codes and the numbers they represent.
 class Coding {
  public:
   Coding(SampleType type, bool signed_floats, std::optional<std::uint64_t> dither = {})

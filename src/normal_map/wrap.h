@@ -1,5 +1,5 @@
 /// \file wrap.h
-/// Which texel a texture has outside of [0, 1].
+/// Wrapping of texture coordinates outside [0, 1].
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace darboux::normal_map {
 
-/// The column (or row) that a texture of this size has at x; -1 where it is cut off.
+/// The column (or row) at x for a texture of this size; -1 if x is outside and wrap is clamp.
 inline std::int64_t wrapped(std::int64_t x, std::int64_t size, MapWrap wrap) {
   if (x >= 0 && x < size) return x;
   if (wrap == MapWrap::clamp) return -1;

@@ -1,5 +1,5 @@
 /// \file colour_map.h
-/// The colours that errors are shown in.
+/// The colour map for errors.
 #pragma once
 
 #include <array>
@@ -9,15 +9,15 @@
 
 namespace darboux {
 
-/// Colours at equal steps from no error to the limit; between them a colour is linear in linear RGB, above
-/// them the last.
+/// Colours at equal steps from zero to the limit, interpolated linearly in linear RGB; above the limit, the
+/// last colour.
 using ColourMap = std::array<Vec3<float>, 17>;
 
-/// Viridis in linear RGB: ever lighter, told apart by colour-blind readers and in black and white. By the
-/// polynomials of degree 6 that M. Zucker fitted to it (shadertoy.com/view/WlfXRN, in the public domain).
+/// Viridis in linear RGB: monotonic in lightness, readable by colour-blind people and in black and white. By
+/// the polynomials of degree 6 that M. Zucker fitted to it (shadertoy.com/view/WlfXRN, in the public domain).
 const ColourMap& viridis();
 
-/// What is not compared: a grey.
+/// The grey for values that were not compared.
 inline constexpr Vec3<float> not_compared{0.2f, 0.2f, 0.2f};
 
 /// The colour of an error; not_compared for NaN. \param limit that has the last colour

@@ -1,5 +1,5 @@
 /// \file converge_report.h
-/// The results of `darboux converge` as JSON, CSV and a page for people.
+/// The results of `darboux converge` as JSON, CSV and an HTML page.
 #pragma once
 
 #include <string>
@@ -28,11 +28,11 @@ std::string verdict_summary(const std::vector<Study>& studies);
 std::string orders_text(const std::vector<Study>& studies);
 /// The same as Markdown, with errors and run times of each resolution, and what is not as expected behind it.
 std::string converge_markdown(const std::vector<Study>& studies, const Provenance& provenance);
-/// What is not as expected: "slower: torus, jittered mesh, ..."; a line each.
+/// The orders that are not as expected: "slower: torus, jittered mesh, ...", one line each.
 std::vector<std::string> unexpected(const std::vector<Study>& studies);
 
 /// A self-contained HTML page: error against mesh width and against run time as pictures, all studies as a
-/// map and a table. Opens from a file, without a network; without scripts the orders of the tangents remain.
+/// map and a table. Works offline; without scripts the orders of the tangents are still shown.
 std::string converge_page(const std::vector<Study>& studies, const Provenance& provenance);
 
 }  // namespace darboux

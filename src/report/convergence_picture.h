@@ -1,5 +1,5 @@
 /// \file convergence_picture.h
-/// Convergence at a glance: a mesh coloured by its tangents' error beside the error's fall with the mesh
+/// An overview picture of convergence: a mesh coloured by tangent error, next to a plot of error against mesh
 /// width.
 #pragma once
 

@@ -1,5 +1,5 @@
 /// \file html.h
-/// What the pages for people share.
+/// Common code of the HTML pages.
 #pragma once
 
 #include <string>
@@ -16,10 +16,11 @@ std::string escape(std::string_view text);
 /// JSON for a <script>: nothing in it can end the element or open a comment.
 std::string script_json(const nlohmann::ordered_json& json);
 
-/// The element that lets no script run but those with these digests, in hexadecimal, and nothing be loaded.
+/// The Content-Security-Policy element that permits only scripts with these digests (hexadecimal) and loads
+/// nothing.
 std::string content_policy(const std::vector<std::string_view>& sha256);
 
-/// The style of text, cards, tables and verdicts; dark where that is preferred and the root has the class
+/// The style of text, cards, tables and verdicts; dark if the reader prefers that and the root has the class
 /// "both".
 extern const std::string_view page_style;
 

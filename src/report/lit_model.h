@@ -20,8 +20,8 @@ struct LitModelOptions {
   int threads = 1;
 };
 
-/// The pieces seen from the front, from the right and a little above, y up, both sides. The map is read
-/// bilinearly, and of a tangent-space map decoded as MapDecode::gltf_viewer has it.
+/// Draws the pieces from the front right and slightly above, y up, double-sided. The map is sampled
+/// bilinearly; a tangent-space map is decoded as by MapDecode::gltf_viewer.
 /// \throws MeshError for pieces without uvs, normals or what the basis needs; as Rasteriser does
 Picture lit_model(const Image& map, std::span<const MapPiece> pieces, const LitModelOptions& options);
 

@@ -1,5 +1,5 @@
 /// \file mesh_picture.h
-/// A mesh with its errors in a form that the script of a page draws.
+/// A mesh with its errors, encoded for the script of a page.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace darboux {
 
-/// What is drawn of a mesh.
+/// The part of a mesh to be drawn.
 struct PictureOf {
   std::span<const std::uint32_t> triangles;  ///< of the mesh; none at all: every one
   std::span<const float> errors_deg;         ///< at their corners
@@ -25,8 +25,8 @@ struct PictureOf {
 /// finite are left out; uvs that are not finite are 0xffff.
 nlohmann::ordered_json mesh_picture(const Mesh& mesh, const PictureOf& of);
 
-/// How many triangles of each picture are to be drawn so that there are no more than `most` in all: for each
-/// its step. The largest give way first.
+/// The step for each picture such that at most `most` triangles are drawn in total. The largest pictures are
+/// thinned first.
 std::vector<std::size_t> picture_steps(const std::vector<std::size_t>& triangles, std::size_t most);
 
 }  // namespace darboux

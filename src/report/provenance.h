@@ -1,18 +1,18 @@
 /// \file provenance.h
-/// Where the numbers of a report come from.
+/// The provenance of the numbers in a report.
 #pragma once
 
 #include <string>
 
 namespace darboux {
 
-/// Where and how the numbers came about.
+/// Where and how the numbers were obtained.
 struct Provenance {
   std::string machine;   ///< processor and its cores
   std::string compiler;  ///< name and version
   std::string date;      ///< UTC
   std::string version;   ///< of the tool
-  std::string command;   ///< the line that runs it again
+  std::string command;   ///< the command line that reproduces the run
   std::string seeds;     ///< of random numbers: "1", "1 to 3"
 };
 /// Of this process, now, without seeds. The processor is read from /proc/cpuinfo, "unknown processor" where

@@ -1,7 +1,7 @@
 /// \file rasterise.h
-/// Pictures of triangles, by a small software rasteriser. Everything is in double, and one triangle after the
-/// other: the same triangles give the same picture, bit for bit, and one that is hidden, off screen or faces
-/// away changes nothing, whether it is added or not.
+/// A small software rasteriser for triangles. Everything is computed in double, one triangle after the other:
+/// the same triangles give the same picture, bit for bit, and adding triangles that are hidden, off screen or
+/// back-facing changes nothing.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +16,8 @@
 
 namespace darboux {
 
-/// A corner of triangles, in the scene's space. A normal or tangent that is zero or not finite counts as
-/// missing: the other corners' serve.
+/// A vertex, in scene space. A normal or tangent that is zero or not finite counts as missing; those of the
+/// other corners are used.
 struct PictureVertex {
   Vec3<double> position, normal;
   Vec4<double> tangent{};  ///< w in the convention of glTF
@@ -42,7 +42,7 @@ struct Picture {
 /// as glTF's images have it. A wave of + - * / alone, so that every machine has the same bits.
 Vec3<double> bump(const Vec2<double>& uv);
 
-/// Draws what one camera sees.
+/// Draws triangles for one camera.
 ///
 /// Coverage: a pixel has one sample, in its centre. The sign of every edge function is exact, and a centre on
 /// an edge belongs to the triangle on its right, or below it (the top-left rule): triangles that share an
@@ -50,10 +50,11 @@ Vec3<double> bump(const Vec2<double>& uv);
 /// those of the homogeneous coordinates [Olano1997], which know no plane behind the eye, and near and far are
 /// tested where a pixel is drawn.
 ///
-/// Depth: the nearest wins, of equals that of the lower order, then the one that was added first.
+/// Depth: the nearest triangle wins; of equals, the one with the lower order, then the one added first.
 ///
-/// Facing: what is not double-sided is drawn where n · (eye - P), interpolated from the corners, is positive.
-/// So nothing of a tile is drawn whose corners all face away, though some of its triangles may not.
+/// Facing: single-sided triangles are drawn where n · (eye - P), interpolated from the corners, is positive.
+/// So a tile whose corners all face away is not drawn at all, although some of its triangles may face the
+/// eye.
 ///
 /// Colour: position, t, b, n and uv are interpolated linearly in space, t, b and n are normalised, and light
 /// falls on n' = t x + b y + n z, where (x, y, z) is the texel of the normal map, (0, 0, 1) without one; with
@@ -64,11 +65,11 @@ class Rasteriser {
   explicit Rasteriser(const Camera& camera);
 
   /// \param indices three per triangle, into `vertices`
-  /// \param order which of several triangles at one depth is seen: the lower
+  /// \param order of several triangles at the same depth, the one with the lower order is visible
   void add(std::span<const PictureVertex> vertices, std::span<const std::uint32_t> indices,
            const PictureMaterial& material, std::uint64_t order = 0);
 
-  /// What was drawn so far. White is the background.
+  /// The picture so far, on a white background.
   const Picture& picture() const { return picture_; }
   /// The distance along the view of what a pixel shows, infinite for the background.
   double depth(int x, int y) const { return depth_[index(x, y)]; }

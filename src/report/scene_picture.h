@@ -19,10 +19,10 @@ void draw_tiles(Rasteriser& picture, const Scene& scene, const TileSamples& samp
 /// A colour for a material of a scene, each of the first eight another, with bumps where it has a normal map.
 PictureMaterial picture_material(const Scene& scene, const PlannedTile& tile);
 
-/// What became of a tile.
+/// The outcome for a tile.
 enum class TileFate { needed, back_facing, outside_frustum, occluded };
 inline constexpr int tile_fates = 4;
-/// Both sides of it, in the colour of that: green, orange, grey, blue.
+/// A double-sided material in the colour of the outcome: green, orange, grey, blue.
 PictureMaterial picture_material(TileFate fate);
 
 /// The axes of a view from beside another camera, from its right and a little above.

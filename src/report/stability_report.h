@@ -13,16 +13,15 @@
 
 namespace darboux {
 
-/// The curves as `darboux stability --json` prints them; an error without end, a bound that is not stated are
-/// null.
+/// The curves as printed by `darboux stability --json`; infinite errors and missing bounds are null.
 nlohmann::ordered_json curves_json(const std::vector<StabilityCurve>& curves);
-/// The same back. \throws nlohmann::json::exception, ParameterError for another document
+/// Reads a curve from that JSON. \throws nlohmann::json::exception, ParameterError for another document
 StabilityCurve curve_of(const nlohmann::ordered_json& json);
 
 /// One row per point of a curve, with a header.
 std::string curves_csv(const std::vector<StabilityCurve>& curves);
 
-/// The largest error of a curve in roundings, where a bound is stated; anywhere, where none is.
+/// The largest error of a curve in roundings, over the points with a bound; over all points if there is none.
 double largest_error(const StabilityCurve& curve);
 
 /// Whether a bound is stated anywhere on the curve.
@@ -34,8 +33,8 @@ std::string share_text(double factor);
 /// Whether a curve counts in overviews: Darboux in double; every method over meshes, every fit.
 bool leads(const StabilityCurve& curve);
 
-/// For a terminal: a line per surface and sweep with the point where Darboux's double comes nearest to its
-/// bound and how the naive formulas fare, then every curve that leaves its bound, then a sentence.
+/// Text for a terminal: one line per surface and sweep, with the point where Darboux in double is nearest to
+/// its bound and the error of the naive formulas; then every curve that exceeds its bound; then a summary.
 std::string stability_text(const std::vector<StabilityCurve>& curves);
 
 /// The same as Markdown, for docs: a table of surfaces by sweeps with the largest error and the share of its
@@ -43,8 +42,7 @@ std::string stability_text(const std::vector<StabilityCurve>& curves);
 std::string stability_markdown(const std::vector<StabilityCurve>& curves, const Provenance& provenance);
 
 /// A self-contained HTML page: surfaces by sweeps as a table of colours, the curves of the one chosen as a
-/// picture, everything beyond its bound as a list. Opens from a file, without a network; without scripts the
-/// tables remain.
+/// picture, everything beyond its bound as a list. Works offline; without scripts the tables are still shown.
 std::string stability_page(const std::vector<StabilityCurve>& curves, const Provenance& provenance);
 
 /// A picture: the curves of the first surface, a panel per sweep of evaluation, a line per route, of the

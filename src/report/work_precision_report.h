@@ -15,7 +15,7 @@ namespace darboux {
 
 /// As `darboux work-precision --json` prints them; a number that does not exist is null.
 nlohmann::ordered_json work_json(const std::vector<WorkSample>& samples);
-/// One of them back. \throws nlohmann::json::exception, ParameterError for another document
+/// Reads a sample from that JSON. \throws nlohmann::json::exception, ParameterError for another document
 WorkSample work_sample_of(const nlohmann::ordered_json& json);
 
 /// One row per sample, with a header.
@@ -30,8 +30,8 @@ std::string work_markdown(const std::vector<WorkSample>& samples, const WorkAxes
 /// "66 methods timed on 4 surfaces, none failed"
 std::string work_summary(const std::vector<WorkSample>& samples);
 
-/// A self-contained HTML page: any metric against any, per surface and mesh. Opens from a file, without a
-/// network; without scripts the table of fronts remains.
+/// A self-contained HTML page: any metric against any, per surface and mesh. Works offline; without scripts
+/// the table of fronts is still shown.
 std::string work_page(const std::vector<WorkSample>& samples, const WorkAxes& axes,
                       const Provenance& provenance);
 /// A picture: a panel per surface and mesh, at most twelve; a mark per method, hollow in single precision;
@@ -40,7 +40,7 @@ std::string work_picture(const std::vector<WorkSample>& samples, const WorkAxes&
 
 /// Two runs compared, as `--compare --json` prints them.
 nlohmann::ordered_json comparisons_json(const std::vector<WorkComparison>& comparisons);
-/// For a terminal: what is not the same, then a sentence.
+/// Text for a terminal: the differences, then a summary.
 std::string comparisons_text(const std::vector<WorkComparison>& comparisons, double tolerance);
 
 // ---- shared by the page and the tables --------------------------------------------------------------------

@@ -1,4 +1,4 @@
-// Bounds of tiles of surfaces whose formulas run on intervals.
+// Bounds of tiles of surfaces whose formulas can be evaluated in interval arithmetic.
 #pragma once
 
 #include <memory>
@@ -13,12 +13,12 @@ struct Enclosed {
   Jet2<Enclosure> jet;     // over the tile
   Vec3<Enclosure> normal;  // dpdu × dpdv
   Interval area;           // its length
-  double side;             // n is that of unit length times 1 or -1; 0: it may be either
+  double side;             // sign by which the unit normal is multiplied to give n; 0: either
   bool smooth;             // dpdu and dpdv are continuous
   TileRates second;        // second derivatives of the frame, where they were asked for
 };
 
-// Null for surfaces whose formulas do not run on intervals, and where a formula would branch within the tile.
+// Null for surfaces whose formulas do not support intervals, and if a formula would branch within the tile.
 std::shared_ptr<const Enclosed> enclose(const AnySurface& surface, const Tile& tile, TileOrder order);
 
 double enclosed_support(const Enclosed& s, const Vec3<double>& direction);

@@ -1,4 +1,4 @@
-// Which planned tiles lie behind others.
+// Finds planned tiles that are hidden behind others.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,15 @@
 
 namespace darboux {
 
-// An instance that is in view, with its patches: known ones, by their places in a list of all.
+// An instance in view, with its patches as indices into the list of known patches.
 struct Shown {
   std::uint32_t instance, first_patch, patch_count;
 };
 
-// What holds an instance, for what it hides and what hides it.
+// Bounding volumes of an instance, as occluder and as occludee.
 struct Around {
   Occlusion::Ball ball;
-  double largest = 0;  // by what it is scaled, at most
+  double largest = 0;  // largest scale factor
 };
 
 class HiddenTiles {
@@ -32,7 +32,7 @@ class HiddenTiles {
               const KnownPatches& patches, std::span<const std::uint32_t> used, Occlusion& occlusion)
       : scene_(scene), surfaces_(surfaces), patches_(patches), used_(used), occlusion_(occlusion) {}
 
-  // Adds the largest to the occlusion, and marks tiles that lie behind them. Returns how many do.
+  // Adds the largest instances as occluders, and marks tiles behind them. Returns their number.
   // \param around of all instances, but those that are not shown
   std::uint64_t find(std::span<const Shown> shown, std::span<const Around> around, std::vector<bool>& hidden);
 

@@ -1,5 +1,5 @@
-// Intervals, and intervals with a linear form in u and v, as a scalar that the formulas of surfaces run on:
-// every result holds all results of the numbers in the operands, rounding included.
+// Intervals, and intervals with a linear form in u and v, as scalar types for the formulas of surfaces. Every
+// result contains the results for all numbers in the operands, rounding included.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace darboux::tiles {
 
-// What a comparison of intervals leaves open.
+// Thrown by a comparison of intervals that has no definite result.
 struct Uncertain : std::domain_error {
   Uncertain() : std::domain_error("a comparison of intervals") {}
 };
@@ -26,7 +26,7 @@ struct Truth {
   friend Truth operator!(Truth a) { return {a.may_be_false, a.may_be_true}; }
 };
 
-// Of numbers that are not NaN: what std::fmin takes a call for.
+// Minimum of numbers that are not NaN; std::fmin would be a function call.
 constexpr double least(double a, double b) {
   return b < a ? b : a;
 }
@@ -42,8 +42,8 @@ struct Interval {
       : lo(x), hi(x) {}  // NOLINT: clang-tidy 14 does not know explicit(false)
   constexpr Interval(double from, double to) : lo(from), hi(to) {}
 
-  // [lo, hi] with the rounding of one operation, or of a function within some of them, twice as much:
-  // widening rounds too.
+  // [lo, hi], widened by twice the rounding error of an operation (or of a function, given in roundings),
+  // since widening itself rounds.
   static Interval rounded(double lo, double hi, double roundings = 1) {
     const double share = roundings * 0x1p-51, least = 0x1p-1070;
     if (std::isnan(lo) || std::isnan(hi))
@@ -51,7 +51,7 @@ struct Interval {
     return {lo - (std::fabs(lo) * share + least), hi + (std::fabs(hi) * share + least)};
   }
   double mid() const { return 0.5 * lo + 0.5 * hi; }
-  // The farther end from m.
+  // The largest distance of a point of the interval from m.
   double radius(double m) const { return lo == hi && lo == m ? 0 : most(hi - m, m - lo) * (1 + 0x1p-50); }
   double size() const { return most(std::fabs(lo), std::fabs(hi)); }
 
@@ -127,9 +127,9 @@ inline Turn<Interval> of_period(const Interval& x, double period) {
   return {range(a.sin, b.sin, 0.25, 0.75), range(a.cos, b.cos, 0, 0.5)};
 }
 
-// A number x of the tile: within `range`, and within mid + u a + v b ± rest, where a and b run over [-1, 1]
-// as the tile's u and v do. Terms of first order in the size of the tile cancel as they do in numbers, so
-// that results are off by its square only. [Figueiredo2004]
+// A quantity x over the tile: within `range`, and within mid + u a + v b ± rest, where a and b run over [-1,
+// 1] with u and v of the tile. First-order terms in the size of the tile cancel as for numbers, so the
+// overestimation is of second order. [Figueiredo2004]
 struct Enclosure {
   Interval range;
   double mid = 0, u = 0, v = 0, rest = 0;
@@ -141,7 +141,7 @@ struct Enclosure {
     if (!std::isfinite(rest)) mid = 0, rest = std::numeric_limits<double>::infinity();
   }
   Enclosure(double from, double to) : Enclosure(Interval(from, to)) {}
-  // The tile's own u (0) or v (1).
+  // The coordinate u (0) or v (1) of the tile.
   static Enclosure variable(double from, double to, int k) {
     Enclosure x(from, to);
     std::swap(k == 0 ? x.u : x.v, x.rest);
@@ -150,11 +150,11 @@ struct Enclosure {
 
   double lo() const { return range.lo; }
   double hi() const { return range.hi; }
-  // The most that x is from mid.
+  // The largest distance of x from mid.
   double radius() const { return (std::fabs(u) + std::fabs(v) + rest) * (1 + 0x1p-50); }
 
-  // A result by intervals and by the linear form, whose terms are of the given size and have been rounded up
-  // to eight times each: the better of both.
+  // Combines the results of interval arithmetic and of the linear form, whose terms have the given size and
+  // up to eight roundings each: the intersection of both.
   static Enclosure made(const Interval& by_interval, double mid, double u, double v, double rest,
                         double size) {
     Enclosure x;
@@ -179,7 +179,7 @@ struct Enclosure {
   }
   Interval with_mid() const { return hull(range, mid); }
 
-  // The number 0 itself, which derivatives are full of.
+  // Whether x is exactly 0, which is frequent in derivatives.
   bool is_zero() const { return range.lo == 0 && range.hi == 0; }
 
   friend Enclosure operator+(const Enclosure& a, const Enclosure& b) {
@@ -268,7 +268,7 @@ struct Enclosure {
   }
 };
 
-// What formulas ask before they branch: see scalar.h. Of NaN an enclosure is infinite.
+// The predicates on which formulas branch: see scalar.h. The enclosure of NaN is infinite.
 inline bool all_zero(const Enclosure& x) {
   return x.is_zero();
 }
@@ -291,7 +291,7 @@ bool all_numbers(const Dual<Enclosure, N>&) {
   return true;
 }
 
-// Of a tile within a span, the span is that of its lower end.
+// For a tile within a span, the span of its lower end.
 inline double span_place(const Enclosure& x) {
   return x.range.lo;
 }

@@ -1,4 +1,4 @@
-// What is asked about the tiles of instances, and for how long the answers stay the same on a camera's way.
+// Caches test results for the tiles of instances while they remain valid along a camera path.
 #pragma once
 
 #include <cstddef>
@@ -19,47 +19,47 @@ inline void prefetch(const void* first, std::size_t bytes) {
   for (std::size_t i = 0; i < bytes; i += 64) __builtin_prefetch(static_cast<const char*>(first) + i);
 }
 
-// How far a camera has moved and turned, all in all: the length of its way, and that of its axes' way as a
-// matrix: a turn by the angle a moves no unit vector by more than 2 sin(a/2), and the matrix by √2 times
-// that. Each step adds more than is rounded, so that none is lost in a long way.
+// The accumulated motion of a camera: the path length of its position, and that of its matrix of axes. A
+// rotation by the angle a moves a unit vector by at most 2 sin(a/2), and the matrix by √2 times that. Each
+// step is rounded up, so that no motion is lost on a long path.
 class CameraWay {
  public:
   double moved = 0, turned = 0;
 
-  // Whether it goes on from the last camera; else the way begins anew.
+  // Whether the camera continues the path of the last one; if not, the path starts again.
   bool goes_on(const Camera& next);
 
  private:
   std::optional<Camera> last_;
 };
 
-// The answers of TileTests. Where they are kept, those of an instance hold until the camera's way is longer
-// than the least of their limits; then each whose own limit is passed is asked for again.
+// Caches the answers of TileTests. The answers for an instance are valid until the camera path exceeds the
+// smallest of their limits; then those whose own limit is exceeded are computed again.
 class KeptAnswers {
  public:
   // \param keeps answers from one camera to the next
   KeptAnswers(TileTests& tests, bool keeps) : tests_(tests), keeps_(keeps) {}
 
-  // The next camera. Whether what was kept counts for it.
+  // Sets the next camera. Returns whether cached answers may be used.
   bool go_to(const Camera& camera, std::size_t instances);
   // Drops all answers.
   void forget();
 
-  // Whether all answers of an instance are known to stay the same.
+  // Whether all answers of an instance are known to be still valid.
   bool hold(std::uint32_t instance) const {
     const Kept& k = kept_[instance];
     return way_.moved <= k.moving && way_.moved + k.reach * way_.turned <= k.turning;
   }
-  // Fetches what is soon asked for again.
+  // Prefetches the cached answers of an instance.
   void prefetch(std::uint32_t instance) const {
     darboux::prefetch(answers_.data() + kept_[instance].first, kept_[instance].count * sizeof(Answer));
   }
 
-  // An instance, of which the next ones are asked. \throws ParameterError as TileTests::begin()
+  // Selects the instance for the following questions. \throws ParameterError as TileTests::begin()
   void begin(std::uint32_t instance, SurfaceTiles& tiles);
-  // Asks again what may have another answer by now. Whether none has.
+  // Computes again the answers that may have changed. Returns whether none did.
   bool still_hold();
-  // Asks anew: what is asked until finish() takes the place of the instance's old answers.
+  // Starts new answers: those computed until finish() replace the old answers of the instance.
   void start();
   void finish();
 
@@ -76,7 +76,7 @@ class KeptAnswers {
 
  private:
   enum class Question : std::uint8_t { outside, faces_away, resolution };
-  // An answer about a tile, and how far the camera's way may go until it is another.
+  // An answer about a tile, and the camera path length up to which it is valid.
   struct Answer {
     double limit;
     std::uint32_t node;
@@ -84,8 +84,7 @@ class KeptAnswers {
     std::uint8_t planes;  // that were asked about
     std::uint16_t value;
   };
-  // The answers of an instance. All stay the same while moved <= moving and moved + reach · turned <=
-  // turning.
+  // The answers of an instance. All are valid while moved <= moving and moved + reach · turned <= turning.
   struct Kept {
     std::size_t first = 0;
     std::uint32_t count = 0;
@@ -97,14 +96,14 @@ class KeptAnswers {
     }
   };
 
-  // How far the camera's way may go.
+  // The camera path length up to which an answer is valid.
   double limit(double slack, bool turning) const;
   bool counts_turning(Question question) const {
     return question != Question::faces_away || !tests_.perspective();
   }
   std::uint16_t value(Question question, std::uint32_t node, std::uint8_t planes);
   Answer answer(Question question, std::uint32_t node, std::uint8_t planes);
-  // Asks, and keeps the answer.
+  // Computes and stores an answer.
   std::uint16_t ask(Question question, std::uint32_t node, std::uint8_t planes = 0);
   bool ask_outside(std::uint32_t node, std::uint8_t& planes);
   Resolution ask_resolution(std::uint32_t node);

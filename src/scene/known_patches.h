@@ -1,4 +1,4 @@
-// The patches of the plans of a scene, each once.
+// The distinct patches of the plans of a scene.
 #pragma once
 
 #include <array>
@@ -17,12 +17,12 @@ namespace darboux {
 struct KnownPatch {
   ScenePatch patch;
   std::uint32_t samples, node;        // of SurfaceTiles
-  std::uint32_t plan = 0, index = 0;  // the last plan that has it, and where
+  std::uint32_t plan = 0, index = 0;  // the last plan that contains it, and its index there
 };
 
 class KnownPatches {
  public:
-  // \param once whether patches of the same samples are one; all: the attributes of most patches
+  // \param once whether patches with the same samples are merged; all: the attributes of most patches
   KnownPatches(bool once, Attributes all) : once_(once), all_(all) {}
 
   std::size_t size() const { return patches_.size(); }
@@ -30,13 +30,13 @@ class KnownPatches {
   const KnownPatch& operator[](std::uint32_t i) const { return patches_[i]; }
   std::span<const double> edge_coordinates(const ScenePatch& p) const;
 
-  // The number of a patch, which is added or found. Beside the attributes that were given to the constructor,
-  // patches of a surface have one other set.
+  // Finds or adds a patch; returns its number. Besides the attributes given to the constructor, the patches
+  // of a surface have at most one other set.
   // \param patch with its edge_counts; edge_coordinates: its own; node: of SurfaceTiles
   std::uint32_t add(const ScenePatch& patch, std::span<const double> edge_coordinates, std::uint32_t node);
 
-  // That of a patch without further samples on its edges, by its surface, node and cells, or `none` where it
-  // is not known.
+  // The number of a patch without additional samples on its edges, by surface, node and cells; `none` if
+  // unknown.
   std::uint32_t find_plain(std::uint32_t surface, std::uint32_t node, const TileLevels& cells,
                            Attributes attributes) const {
     if (surface >= plain_.size() || node >= plain_[surface].size()) return none;
@@ -44,7 +44,7 @@ class KnownPatches {
   }
   static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-  // Forgets all of them; their ids go on.
+  // Removes all patches; new ids continue the sequence.
   void forget();
 
  private:
@@ -58,9 +58,9 @@ class KnownPatches {
   Attributes all_;
   std::vector<KnownPatch> patches_;
   std::vector<double> edge_coordinates_;
-  // Of patches with further samples on their edges.
+  // Patches with additional samples on their edges.
   HashTable by_hash_;
-  // Of plain ones by surface, node, cells and attributes. Of small instances all patches are plain.
+  // Plain patches, by surface, node, cells and attributes. Small instances have only plain patches.
   using OfNode = std::array<std::uint32_t, 2 * (tile_level_u + 1) * (tile_level_v + 1)>;
   std::vector<std::vector<OfNode>> plain_;
   std::uint64_t forgotten_ = 0;

@@ -1,4 +1,4 @@
-// Finds what is hidden behind opaque surfaces that are drawn.
+// Occlusion culling: finds what is hidden behind opaque surfaces that are drawn.
 #pragma once
 
 #include <array>
@@ -15,28 +15,28 @@
 
 namespace darboux {
 
-// The view of a camera, cut into cells, and for each cell a depth: everywhere in it something opaque is drawn
-// at that depth or nearer, of the triangles and of the surface itself.
+// A depth buffer of cells: in every point of a cell, something opaque is drawn at the depth of the cell or
+// nearer. This holds for the triangles and for the surface itself.
 //
-// Only those parts of an instance's chart are used that face the camera with a margin, beyond the near plane.
-// The winding number of their projected border about a cell is the number of times they cover each of its
-// points, one side counted as 1 and the other as -1: the degree of a continuous map of the plane. As none of
-// them faces away, a number other than 0 says that something is drawn there. The border is known by samples,
-// and so are depths, within the bound of chords: whatever that may reach counts as not covered. That holds
-// for any continuous surface near these samples, so both for the true one and for the triangles of a plan.
+// Only the parts of a chart that face the camera with a margin, beyond the near plane, are used. The winding
+// number of their projected border about a cell is the degree of the projection: the number of times they
+// cover each point of the cell, with sign. As no part faces away, a non-zero degree means that something is
+// drawn there. Border and depths are known from samples within the chord bound; any cell within that distance
+// counts as not covered. The argument holds for any continuous surface near these samples, hence for the true
+// surface and for the triangles of a plan.
 class Occlusion {
  public:
   explicit Occlusion(const Camera& camera);
 
-  // A sphere that holds an instance, before the camera.
+  // A bounding sphere of an instance, in front of the camera.
   struct Ball {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     double radius = 0;
   };
-  // How large it is seen, about: its radius in cells.
+  // Its approximate projected radius, in cells.
   double size_of(const Ball& ball) const;
 
-  // A part of a chart that is drawn in cells of this size, each a power of two.
+  // A part of a chart that is drawn with cells of this size, each a power of two.
   struct Drawn {
     TilePlace place;
     TileLevels cells;
@@ -46,32 +46,32 @@ class Occlusion {
     const SurfaceTiles& tiles;
     bool double_sided;
     Ball ball;
-    double largest;  // by what the placement scales lengths, at most
+    double largest;  // largest scale factor of the placement
     std::span<const Drawn> drawn;
   };
-  // Not what has no proven bounds of chords and normals, or is too flat.
+  // False without proven bounds of chords and normals, or if the instance is too flat.
   static bool can_hide(const SurfaceTiles& tiles, const Eigen::Affine3d& placement);
-  // \param occluder that can. Cost: about 30 us, by up to 33 x 17 samples.
+  // \param occluder one for which can_hide() is true. Cost: about 30 us, with up to 33 x 17 samples.
   void add(const Occluder& occluder);
-  void finish();  // after the last one: questions are answered faster
+  void finish();  // call after the last add(): makes queries faster
 
-  // From an instance's own space to that of the camera, with z the depth.
+  // From the space of an instance to that of the camera, with z the depth.
   struct OfCamera {
     OfCamera(const Occlusion& view, const Eigen::Affine3d& placement);
     Eigen::Matrix3d matrix;
     Eigen::Vector3d offset;
     double lengths;  // that are rounded
   };
-  // Whether nothing can be hidden; whether all of a ball is, or of a box in an instance's own space.
+  // Whether there are no occluders; whether a ball, or a box in the space of an instance, is entirely hidden.
   bool empty() const { return !(nearest_ < std::numeric_limits<double>::infinity()); }
   bool hides(const Ball& ball) const;
   bool hides(const OfCamera& of_camera, const Vec3<double>& lo, const Vec3<double>& hi) const;
-  // Whether parts of what is in this ball may be hidden. A guess: nothing is lost but time.
+  // Whether parts of the content of this ball may be hidden. A heuristic: a wrong answer costs only time.
   bool may_hide_of(const Ball& ball) const;
 
  private:
   struct Range {
-    int x0, x1, y0, y1;  // cells, the last ones excluded
+    int x0, x1, y0, y1;  // cells, ends exclusive
   };
   struct Seen {
     double x, y, depth;  // in cells, and a length
@@ -93,13 +93,14 @@ class Occlusion {
   double stretch_, near_;
   Eigen::Vector3d eye_;
   Eigen::Matrix3d to_camera_;
-  // By cells, and of each level above the farthest of 2 x 2 of the one below, once finish() was called.
+  // Depth per cell and, after finish(), a pyramid in which each level has the farthest depth of 2 x 2 cells
+  // of the level below.
   static constexpr int most_levels = 6;
   int levels_ = 1;
   std::array<std::vector<double>, most_levels> depths_;
   double nearest_ = std::numeric_limits<double>::infinity();  // of these
 
-  // Of the occluder that is added: a grid over the chart.
+  // A grid over the chart of the occluder that is being added.
   struct Cell {
     double drawn = 0;           // the share of it that is
     TileLevels finest{64, 64};  // at least so fine, in powers of two of the chart

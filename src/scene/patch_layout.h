@@ -1,6 +1,6 @@
-// Where the samples of a patch are: first the corners of its cells, u running faster; then those that
-// neighbours have on its edges, in the order v0, v1, u0, u1; then the centre of each cell that has some of
-// these on its border.
+// The order of the samples of a patch: first the corners of its cells, u varying fastest; then the samples of
+// neighbours on its edges, in the order v0, v1, u0, u1; then the centre of each cell that has such samples on
+// its border.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ constexpr std::uint32_t edge_samples(const ScenePatch& p) {
   return p.edge_counts[0] + p.edge_counts[1] + p.edge_counts[2] + p.edge_counts[3];
 }
 
-// A cell with further samples on its border: which of those of each edge.
+// A cell with additional samples on its border: the range of samples on each edge.
 struct SplitCell {
   std::uint32_t column, row;
   std::array<std::uint32_t, 4> first{}, count{};

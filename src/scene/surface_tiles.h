@@ -1,4 +1,4 @@
-// The tiles of one surface with what is known of them, made when they are first asked for.
+// The tiles of one surface with their bounds, computed on demand.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct TilePlace {
   TilePlace half(bool along_u, bool along_v, std::uint32_t i, std::uint32_t k) const;
 };
 
-// Of a point to a box.
+// The squared distance from a point to a box.
 inline double squared_distance_to_box(const Vec3<double>& p, const Vec3<double>& lo, const Vec3<double>& hi) {
   const auto beyond = [](double x, double from, double to) {
     return x < from ? from - x : x > to ? x - to : 0;
@@ -33,27 +33,27 @@ inline double squared_distance_to_box(const Vec3<double>& p, const Vec3<double>&
   return dot(d, d);
 }
 
-// Those that the angles of frames asked for, and in which case.
+// The levels required by the permitted frame angles, with the case they apply to.
 struct FrameLevels {
   double condition = 0, angle = 0;
   bool of_tangents = false;
   TileLevels levels;
 };
 
-// Whether rates are bounds; else they are estimated from samples.
+// Whether rates are proven bounds; otherwise they are estimated from samples.
 struct Proven {
   bool chord = false, frame = false;
   bool operator==(const Proven&) const = default;
 };
 
-// A point of a tile by its normal n and n · P: where it is seen from the side of n, not all of the tile
-// faces away. Unknown where n = 0.
+// A point of a tile, represented by its normal n and n · P. If it is seen from the side of n, the tile does
+// not entirely face away. Unknown if n = 0.
 struct FacingPoint {
   Vec3<double> normal{};
   double height = 0;
   bool made = false;
 
-  // An eye, or without perspective the direction towards it. Not where roundings decide.
+  // \param eye the eye point or, without perspective, the direction towards it. False if rounding decides.
   bool faces(const Vec3<double>& eye, bool perspective) const {
     const double x = normal.x * eye.x, y = normal.y * eye.y, z = normal.z * eye.z,
                  h = perspective ? height : 0;
@@ -64,7 +64,7 @@ struct FacingPoint {
 struct TileNode {
   Vec3<double> lo, hi;  // its box, within that of the tile it is part of
   TilePlace place;
-  // The first of the parts it is split into: along u, along v, along both. 0 where there are none yet.
+  // The first of the children, if split along u, along v, along both. 0 if not yet created.
   std::array<std::uint32_t, 3> parts{};
   Proven proven;
   FrameLevels frame_levels{};
@@ -81,31 +81,32 @@ constexpr std::uint32_t part_count(Split split) {
 
 class SurfaceTiles {
  public:
-  // \param order second where frames have bounds, position where only chords have
+  // \param order second if frames have bounds, position if only chords have
   SurfaceTiles(const AnySurface& surface, TileOrder order);
 
   const AnySurface& surface() const { return surface_; }
-  // Whether bounds are proven. Where not, boxes and rates are estimates, the same for all tiles.
+  // Whether bounds are proven. If not, boxes and rates are estimates, equal for all tiles.
   bool known() const { return known_; }
   // The largest rates over the chart.
   const TileRates& finest() const { return finest_; }
   const Proven& proven() const { return proven_; }  // of these
-  // The same rates as found from samples, where these are smaller: interval bounds exceed what they bound.
+  // The same rates estimated from samples, if smaller: interval bounds overestimate.
   const TileRates& typical() const { return typical_; }
   bool is_typical() const { return is_typical_; }  // whether these are the largest
   double radius() const { return radius_; }        // of a sphere about centre() that holds all of it
   const Vec3<double>& centre() const { return centre_; }
-  double reach() const { return reach_of_all_; }  // from the origin of its own space to all of that sphere
+  // Largest distance from the origin of its own space to a point of that sphere.
+  double reach() const { return reach_of_all_; }
   const ChordLevels& finest_chord_levels() const { return finest_levels_; }
   const ChordLevels& typical_chord_levels() const { return typical_levels_; }
 
-  // A lower bound of the distance from a point: in closed form, or from far away that of the box, else the
-  // least of those of 16 × 16 tiles. For surfaces without bounds it is an estimate from samples. It changes
-  // by no more than the point moves, except for jumps where it comes from another of these.
+  // A lower bound of the distance from a point: in closed form; from far away, that of the box; otherwise the
+  // smallest of those of 16 × 16 tiles. For surfaces without bounds it is an estimate from samples. It is
+  // Lipschitz with constant 1 in the point, except for jumps between these cases.
   struct Distance {
     double least;
     bool by_tiles = false;
-    double way_to_jump = std::numeric_limits<double>::infinity();  // at least so far
+    double way_to_jump = std::numeric_limits<double>::infinity();  // lower bound
   };
   Distance distance(const Vec3<double>& from);
 
@@ -114,8 +115,8 @@ class SurfaceTiles {
   FrameLevels& frame_levels(std::uint32_t node) { return nodes_[node]->frame_levels; }
   FrameLevels& frame_levels() { return frame_levels_; }  // of the finest
   FrameLevels& typical_frame_levels() { return typical_frame_levels_; }
-  // A point of a tile that an eye or a direction towards it may see from that side: the middle, or of all of
-  // the chart one of some, by the octant.
+  // A point of a tile that is likely to be visible from an eye point or direction: the middle or, for the
+  // whole chart, one of several chosen by the octant.
   const FacingPoint& facing_point(std::uint32_t node, const Vec3<double>& eye) {
     FacingPoint& point =
         node == root ? of_octants_[(eye.x < 0 ? 1u : 0u) + (eye.y < 0 ? 2u : 0u) + (eye.z < 0 ? 4u : 0u)]
@@ -152,7 +153,8 @@ class SurfaceTiles {
   std::vector<Vec3<double>> places_;
   double reach_ = 0;  // from them to all of the surface
   ChordLevels finest_levels_, typical_levels_;
-  // What turns about the z axis, in coordinates (ρ, z): a circle about (centre, 0), a line, or neither.
+  // The meridian of a surface of revolution about z, in coordinates (ρ, z): a circle about (centre, 0), a
+  // line, or neither.
   struct Meridian {
     enum class Kind : std::uint8_t { none, circle, line } kind = Kind::none;
     double centre = 0, radius = 0;

@@ -1,4 +1,4 @@
-// What samples tiles have on the edges of others.
+// Finds the samples that tiles have on the edges of other tiles.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 
 namespace darboux {
 
-constexpr std::uint32_t chart_size = 1u << finest_level;  // in whole numbers
+constexpr std::uint32_t chart_size = 1u << finest_level;  // in integer units
 
-// The extent of a tile in whole numbers.
+// The extent of a tile, in integer units.
 struct Extent {
   std::uint32_t u0, u1, v0, v1;
   explicit Extent(const TilePlace& p)
@@ -21,14 +21,14 @@ struct Extent {
         v1((p.row + 1) << (finest_level - p.level_v)) {}
 };
 
-// What samples the tiles of an instance have on an edge of another one, that are no multiples of `spacing`.
+// The samples of an instance's tiles on an edge of another tile that are not multiples of `spacing`.
 struct EdgeSearch {
   bool along_u;  // the edge is v = line, else u = line
-  bool below;    // of the tiles below the line, or of those above
+  bool below;    // search the tiles below the line, or those above
   std::uint32_t line, from, to, spacing;
   bool mirrored;  // across a twisted seam
 
-  // Calls f(k) for those parts of a tile that end at the line and meet the edge. The tile does.
+  // Calls f(k) for those children of a tile that end at the line and touch the edge. The tile itself does.
   template <class F>
   void for_parts(const Extent& e, Split split, F f) const {
     const bool splits_u = split != Split::v, splits_v = split != Split::u;

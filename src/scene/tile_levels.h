@@ -1,4 +1,4 @@
-// How many cells a tile is cut into, as powers of two.
+// The number of cells of a tile, as powers of two.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace darboux {
 
-// A tile has no more than 2^5 × 2^4 cells: fewer of larger ones are culled, and smaller ones cost more per
+// A tile has at most 2^5 × 2^4 cells: larger tiles are culled less often, and smaller ones cost more per
 // sample.
 constexpr int tile_level_u = 5, tile_level_v = 4;
 constexpr int finest_level = 14;  // of the cells of a chart
@@ -21,9 +21,9 @@ struct TileLevels {
   bool operator==(const TileLevels&) const = default;
 };
 
-// The sequence of cuts of a tile into cells as its chords have to be smaller. Each cut is across the side
-// where the error falls more per sample that it adds to the chart. The error falls with every cut, so a
-// search finds how many are needed.
+// The sequence of subdivisions of a tile for decreasing chord bounds. Each one divides the side along which
+// the error decreases more per additional sample of the chart. The error decreases with each subdivision, so
+// a search finds how many are needed.
 class ChordLevels {
  public:
   ChordLevels() = default;
@@ -56,11 +56,11 @@ class ChordLevels {
 
   struct Answer {
     TileLevels levels;
-    double least, most;  // the answer is the same for all chords from `least` to less than `most`
+    double least, most;  // the answer is the same for all chord bounds in [least, most)
   };
-  // The fewest cells whose chords are no longer than this one, or all there are.
+  // The fewest cells that satisfy this chord bound, or the maximum.
   Answer operator()(double chord) const {
-    // All are compared, as there are few: a search by halves waits for each comparison.
+    // A linear search: there are few entries, and a binary search would wait for each comparison.
     const float least = rounded_down(chord);
     std::int32_t larger = 0;
     for (const float error : errors_) larger += error > least ? 1 : 0;

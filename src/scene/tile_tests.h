@@ -1,4 +1,5 @@
-// What is asked of an instance and of its tiles before a camera, and for how long the answers stay the same.
+// Tests of an instance and its tiles against a camera, with the camera motion for which the results stay
+// valid.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +17,7 @@ namespace darboux {
 constexpr Attributes tangent_attributes =
     Attribute::tangent | Attribute::bitangent | Attribute::handedness | Attribute::tangent4;
 
-// The cells of a tile as its place asks for them, whether or not it is seen.
+// The number of cells that a tile requires at its distance, whether visible or not.
 struct Resolution {
   TileLevels cells;
   Proven proven;
@@ -28,9 +29,9 @@ struct Resolution {
   bool operator==(const Resolution&) const = default;
 };
 
-// How far a camera may move until an answer may be another. What planes say of a point changes by no more
-// than the eye moves, and the point's distance times what the camera turns, and so do depths; facing by what
-// the eye moves.
+// The camera motion for which an answer stays valid. The distance of a point from a plane, and its depth,
+// change by at most the motion of the eye plus the distance of the point times the rotation; facing, by the
+// motion of the eye.
 struct Slack {
   double turning = std::numeric_limits<double>::infinity(), moving = turning;
 
@@ -39,8 +40,8 @@ struct Slack {
 
 // An instance as a whole.
 struct InstanceView {
-  TileLevels uniform;  // cells that the nearest point needs, everywhere
-  TileLevels finest;   // the same by the bounds: no tile needs more
+  TileLevels uniform;  // cells that the nearest point requires
+  TileLevels finest;   // upper bound over all tiles
   bool outside = false;
   bool by_tiles = false;    // SurfaceTiles::Distance: where it changes, answers about tiles jump with it
   std::uint8_t planes = 0;  // of the frustum, those that may cut it
@@ -50,11 +51,11 @@ struct InstanceView {
 
 class TileTests {
  public:
-  // \param wants_slack whether somebody asks for it
+  // \param wants_slack whether the slack is used
   TileTests(const Scene& scene, const SceneRequest& request, bool wants_slack);
 
   void look(const Camera& camera);
-  // The instance that is asked about from now on. \throws ParameterError as place()
+  // Selects the instance for the following tests. \throws ParameterError as place()
   void begin(std::uint32_t instance, SurfaceTiles& tiles);
 
   SurfaceTiles& tiles() const { return *tiles_; }
@@ -70,14 +71,15 @@ class TileTests {
   }
   bool bounds_frames(Attributes asked) const;
 
-  // Whether a tile lies wholly beyond one of some planes of the frustum, of which those stay that may cut it.
+  // Whether a tile is entirely outside one of the given planes of the frustum. `planes` keeps those that may
+  // cut it.
   bool outside(std::uint32_t node, std::uint8_t& planes);
   bool faces_away(std::uint32_t node);
   Resolution resolution(std::uint32_t node);
 
-  // Of all answers since it was set.
+  // The minimum over all answers since it was set.
   Slack slack;
-  // What roundings may add to it.
+  // The rounding error of the slack.
   double rounding() const;
 
  private:

@@ -1,4 +1,4 @@
-// What a camera sees, as inequalities.
+// The view frustum of a camera, as inequalities.
 #pragma once
 
 #include <array>
@@ -28,8 +28,8 @@ class View {
   double stretch() const { return stretch_; }
   const std::array<Plane3, 6>& planes() const { return planes_; }
 
-  // How far a point that is seen, at this distance from the eye or beyond, may move so that its pixel moves
-  // by no more than `pixels`.
+  // The length by which a visible point at this distance from the eye or farther may move so that its
+  // projection moves by at most `pixels`.
   double length_of(double pixels, double distance) const;
 
  private:
