@@ -187,9 +187,28 @@ Eigen::MatrixXd span_of(const std::vector<Pair>& samples) {
   return vectors.rightCols<2>();
 }
 
+// What a map does to positions. \param of_normals m maps normals, by the inverse transpose
+std::string text_of_map(const Eigen::Matrix3d& m, Eigen::Index dimensions, bool of_normals) {
+  const Eigen::Vector3d singular = singular_value_decomposition(m).values,
+                        scale = singular / singular[dimensions - 1];
+  const std::string mirrors = dimensions == 3 && m.determinant() < 0 ? " and mirrors" : "";
+  if (scale[0] < 1.01) return ": by a map that turns" + mirrors;
+  constexpr double along_axes = 0.01;
+  Eigen::Array3d diagonal = m.diagonal().array().abs();
+  if (dimensions == 3 &&
+      (m - Eigen::Matrix3d(m.diagonal().asDiagonal())).norm() < along_axes * diagonal.minCoeff()) {
+    if (of_normals) diagonal = diagonal.inverse();
+    diagonal /= diagonal.minCoeff();
+    return ": by a map that scales x : y : z as " + rounded(diagonal[0], 3) + " : " +
+           rounded(diagonal[1], 3) + " : " + rounded(diagonal[2], 3) + mirrors;
+  }
+  return ": by a map that scales as " + rounded(scale[0], 3) +
+         (dimensions == 3 ? " : " + rounded(scale[1], 3) : "") + " : 1" + mirrors;
+}
+
 // The linear map M of their span that takes the stored vectors to the reference's t, up to their length: the
 // least of sum |T x M t|² at |M| = 1. \returns what it does, where it explains nearly all
-std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, double limit) {
+std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, double limit, bool of_normals) {
   const Eigen::MatrixXd span = span_of(samples);
   const Eigen::Index d = span.cols();
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3 * d, 3 * d);
@@ -217,12 +236,7 @@ std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, doubl
   if (static_cast<double>(within) < explains_most * static_cast<double>(samples.size())) return std::nullopt;
   const Eigen::Vector3d singular = singular_value_decomposition(m).values, scale = singular / singular[d - 1];
   if (!(scale[0] < 1e3)) return std::nullopt;
-  const bool even = scale[0] < 1.01;
-  return ": by a map that " +
-         (even
-              ? std::string("turns")
-              : "scales as " + rounded(scale[0], 3) + (d == 3 ? " : " + rounded(scale[1], 3) : "") + " : 1") +
-         (d == 3 && m.determinant() < 0 ? " and mirrors" : "");
+  return text_of_map(m, d, of_normals);
 }
 
 // The rotation that takes the stored vectors nearest to the reference's, if it explains nearly all and they
@@ -413,7 +427,7 @@ bool are_off(const std::vector<Pair>& samples) {
 bool add_map(const MeshUnderTest& under_test, const std::vector<Pair>& samples, double map_limit,
              MeshReport& report) {
   std::optional<std::string> map = rotation_of(samples);
-  if (!map && samples.size() >= least_normals) map = linear_map_of(samples, map_limit);
+  if (!map && samples.size() >= least_normals) map = linear_map_of(samples, map_limit, true);
   if (map) add(report, finding(Code::normal_stale, under_test.mesh.corners(), *map));
   return map.has_value();
 }
@@ -459,7 +473,7 @@ bool diagnose_tangents(const MeshUnderTest& under_test,
   if (held) return false;
   if (follow_other_axes(under_test, samples, options, report)) return true;
   if (are_turned(under_test, samples, limit, report)) return true;
-  const std::optional<std::string> map = linear_map_of(samples, limit);
+  const std::optional<std::string> map = linear_map_of(samples, limit, false);
   if (map) add(report, finding(Code::tangent_stale, corners, *map));
   return map.has_value();
 }
@@ -480,7 +494,7 @@ bool diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
   if (samples.size() < least_samples) return false;
   if (share_within(samples, [](const Pair& s) { return -s.t; }) >= explains_most) return true;
   if (samples.size() < least_normals) return false;
-  const std::optional<std::string> map = linear_map_of(samples, limit / 5);
+  const std::optional<std::string> map = linear_map_of(samples, limit / 5, true);
   if (map) add(report, finding(Code::normal_stale, mesh.corners(), *map));
   return map.has_value();
 }
