@@ -2,6 +2,8 @@
 #include <cstdlib>
 #include <iostream>
 #include <new>
+#include <string_view>
+#include <utility>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -52,6 +54,39 @@ std::string unexpected(const CLI::App& sub) {
   if (positional.size() == 1 && positional[0]->get_items_expected_max() == 1 && positional[0]->count() > 0)
     got += " after its " + positional[0]->get_name();
   return expected_got("options and arguments of " + sub.get_name(), got);
+}
+
+// What the parser says of an option, as expected and got.
+std::string in_own_words(const CLI::App* sub, const std::string& text) {
+  // The text before and after a mark.
+  const auto split = [&](std::string_view mark, std::size_t from = 0) {
+    const std::size_t at = text.find(mark, from);
+    return at == std::string::npos ? std::pair<std::string, std::string>()
+                                   : std::pair(text.substr(from, at - from), text.substr(at + mark.size()));
+  };
+  constexpr std::string_view no_conversion = "Could not convert: ";
+  if (text.starts_with(no_conversion)) {
+    const auto [name, value] = split(" = ", no_conversion.size());
+    const CLI::Option* option = sub == nullptr ? nullptr : sub->get_option_no_throw(name);
+    const bool is_flag = option != nullptr && option->get_items_expected_max() == 0;
+    return name + ": " + expected_got(is_flag ? "no value" : "a number", "'" + value + "'");
+  }
+  if (const auto [name_and_value, known] = split(" not in {"); known.ends_with('}')) {
+    const std::size_t at = name_and_value.find(": ");
+    std::string list;
+    for (const char c : known.substr(0, known.size() - 1))
+      list += c == ',' ? std::string(", ") : std::string(1, c);
+    if (at != std::string::npos)
+      return name_and_value.substr(0, at) + ": " +
+             expected_got("one of " + list, "'" + name_and_value.substr(at + 2) + "'");
+  }
+  if (const auto [name, rest] = split(": 1 required "); rest.ends_with(" missing"))
+    return name + ": " + expected_got("a value", "none");
+  if (const auto [least, got] = split(" required but received "); !got.empty())
+    if (const auto [name, count] = split(": At least "); !count.empty())
+      return name + ": " + expected_got("at least " + least.substr(name.size() + 11) + " values", got);
+  if (text.ends_with(" is required")) return expected_got(text.substr(0, text.size() - 12), "none");
+  return text;
 }
 
 int report(const std::string& message, int status) {
@@ -128,11 +163,11 @@ int run(int argc, char** argv) {
     const auto parsed = app.get_subcommands();
     const bool left_over = !parsed.empty() && parsed[0]->remaining_size() > 0;
     const bool no_command = argc < 2 || argv[1][0] == '-';
-    const std::string what = no_command
-                                 ? darboux::expected_got("a command first, its options after it",
-                                                         argc < 2 ? "none" : "'" + std::string(argv[1]) + "'")
-                             : left_over ? darboux::unexpected(*parsed[0])
-                                         : e.what();
+    const std::string what =
+        no_command  ? darboux::expected_got("a command first, its options after it",
+                                           argc < 2 ? "none" : "'" + std::string(argv[1]) + "'")
+        : left_over ? darboux::unexpected(*parsed[0])
+                    : darboux::in_own_words(parsed.empty() ? nullptr : parsed[0], e.what());
     return darboux::report("command line: " + what + ", see darboux " + command + "--help", 2);
   }
 }

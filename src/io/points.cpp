@@ -67,6 +67,21 @@ PointFile read_gltf_points(const std::string& path, const ReadOptions& options) 
   return result;
 }
 
+struct Format {
+  std::vector<std::string_view> extensions;
+  const char* kind;
+  PointFile (*read)(PointReader&);
+};
+const std::vector<Format>& formats() {
+  static const std::vector<Format> list{
+      {{".xyz", ".txt", ".csv", ".tsv", ".asc", ".pts"}, "text with a point per line", read_table},
+      {{".obj"}, "OBJ file", read_obj_points},
+      {{".ply"}, "PLY file", read_ply_points},
+      {{".pcd"}, "PCD file", read_pcd_points},
+      {{".stl"}, "STL file", read_stl_points}};
+  return list;
+}
+
 }  // namespace
 
 PointColumns PointColumns::named(std::span<const std::string> names, const std::string& where) {
@@ -144,6 +159,12 @@ void find_places(PointFile& file, const std::vector<bool>& used) {
   for (std::size_t k = 0; k < index.size(); ++k) file.place[index[k]] = index[first[k]];
 }
 
+bool is_of_points(std::string_view extension) {
+  return std::any_of(formats().begin(), formats().end(), [&](const Format& f) {
+    return std::find(f.extensions.begin(), f.extensions.end(), extension) != f.extensions.end();
+  });
+}
+
 }  // namespace darboux::io
 
 namespace darboux {
@@ -163,18 +184,7 @@ PointFile read_points(const std::string& path, const std::function<void(double)>
                       const ReadOptions& options) {
   const std::string extension = extension_of(path);
   if (extension == ".glb" || extension == ".gltf") return io::read_gltf_points(path, options);
-  struct Format {
-    std::vector<std::string_view> extensions;
-    const char* kind;
-    PointFile (*read)(io::PointReader&);
-  };
-  static const std::vector<Format> formats{
-      {{".xyz", ".txt", ".csv", ".tsv", ".asc", ".pts"}, "text with a point per line", io::read_table},
-      {{".obj"}, "OBJ file", io::read_obj_points},
-      {{".ply"}, "PLY file", io::read_ply_points},
-      {{".pcd"}, "PCD file", io::read_pcd_points},
-      {{".stl"}, "STL file", io::read_stl_points}};
-  for (const Format& format : formats)
+  for (const io::Format& format : io::formats())
     if (std::find(format.extensions.begin(), format.extensions.end(), extension) != format.extensions.end()) {
       io::PointReader reader(path, format.kind, progress);
       return format.read(reader);

@@ -56,6 +56,9 @@ double number_of(std::string_view field, const Lines& lines);
 /// Fills in PointFile::place. \param used by a triangle
 void find_places(PointFile& file, const std::vector<bool>& used);
 
+// Whether files of points have this extension, in lower case, with the dot.
+bool is_of_points(std::string_view extension);
+
 // One function per family of formats.
 PointFile read_table(PointReader& reader);
 PointFile read_obj_points(PointReader& reader);

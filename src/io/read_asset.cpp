@@ -11,6 +11,7 @@
 #include "gltf_file.h"
 #include "mesh/stored_rounding.h"
 #include "mesh_files.h"
+#include "points.h"
 
 namespace darboux {
 
@@ -66,9 +67,12 @@ Asset read_any(const std::string& path, const ReadOptions& options) {
   if (extension == ".obj" || extension == ".fbx")
     return io::read_with_assimp(path, io::read_file(path),
                                 extension == ".obj" ? io::AssimpFormat::obj : io::AssimpFormat::fbx, options);
-  throw FileError(path, expected_got("a GLB by its content, or one of the extensions " +
-                                         joined({asset_extensions().begin(), asset_extensions().end()}),
-                                     io::in_quotes(extension)));
+  throw FileError(
+      path,
+      expected_got("a GLB by its content, or one of the extensions " +
+                       joined({asset_extensions().begin(), asset_extensions().end()}),
+                   io::in_quotes(extension) +
+                       (io::is_of_points(extension) ? ", which holds points: darboux fit reads them" : "")));
 }
 
 }  // namespace

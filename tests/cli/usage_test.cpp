@@ -107,6 +107,19 @@ TEST_F(Cli, RefusesUnknownSurfacesAndParametersWithTheKnownOnes) {
   EXPECT_FALSE(fs::exists(path("x.glb")));
 }
 
+// The parser's own texts are in its own words.
+TEST_F(Cli, OptionsSayWhatTheyExpect) {
+  for (const auto& [command, words] :
+       {std::pair{"validate x.glb --max-angle 5deg", "--max-angle: expected a number, got '5deg'"},
+        {"validate x.glb --max-angle", "--max-angle: expected a value, got none"},
+        {"validate x.glb --json=r.json", "--json: expected no value, got 'r.json'"},
+        {"normalmap a.png --to world", "--to: expected one of object, tangent, got 'world'"},
+        {"work-precision --compare a", "--compare: expected at least 2 values, got 1"},
+        {"fit", "expected FILE, got none"},
+        {"fit a.xyz b.xyz", "got 'b.xyz' after its FILE"}})
+    refused(std::string("darboux ") + command, {words});
+}
+
 TEST_F(Cli, HelpAndSurfacesTakeNames) {
   EXPECT_EQ(good("darboux help eval"), good("darboux eval --help"));
   EXPECT_EQ(good("darboux help"), good("darboux --help"));
