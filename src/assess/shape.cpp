@@ -21,6 +21,7 @@ namespace {
 constexpr double same = 1e-6;                           // of the size
 constexpr double flat_deg = 1;                          // faces that turn by less count as coplanar
 constexpr double facet_deg = 1;                         // a normal this near to its triangle's is that one
+constexpr double equal_deg = 0.01;                      // normals of corners this near to each other are one
 constexpr std::size_t whole = 10000, looked_at = 5000;  // vertices: of larger meshes the triangles about some
 constexpr std::size_t algebraic_places = 400;
 constexpr double near_algebraic = 3 * fits_below;  // of the size
@@ -147,7 +148,12 @@ std::vector<Eigen::Vector3d> faces_of(const Sampled& s, Shape& shape) {
     faces.push_back(area > 1e-12 ? Eigen::Vector3d(face / area) : Eigen::Vector3d::Zero());
     if (!(area > 1e-12)) continue;
     ++with_area;
-    faceted += !s.mesh.normals.empty() &&
+    // Normals of a fine mesh are near those of its triangles too, but differ among the corners of each.
+    const auto is_normal_of_first = [&](std::uint32_t corner) {
+      const Eigen::Vector3d first = to_eigen(s.mesh.normals[v]), n = to_eigen(s.mesh.normals[corner]);
+      return first.cross(n).norm() <= equal_deg * M_PI / 180 * first.norm() * n.norm();
+    };
+    faceted += !s.mesh.normals.empty() && is_normal_of_first(w) && is_normal_of_first(x) &&
                std::all_of(s.mesh.triangles[t].begin(), s.mesh.triangles[t].end(), [&](std::uint32_t corner) {
                  const Eigen::Vector3d n = to_eigen(s.mesh.normals[corner]);
                  return n.dot(faces.back()) >= own_cosine * n.norm();

@@ -308,16 +308,32 @@ std::string verdict_text(const AssessedFile& file) {
   return std::string(name_of(file.verdict)) + (with_warnings ? ", with warnings" : "");
 }
 
-// New tangents mend errors of tangents (docs/findings.md), where normals are right.
+// As a shell reads it.
+std::string quoted(const std::string& path) {
+  constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-+/";
+  if (path.find_first_not_of(plain) == std::string::npos) return path;
+  std::string result = "'";
+  for (const char c : path) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return result + "'";
+}
+
+// New tangents mend errors of tangents (docs/findings.md) where normals and uvs are sound. Those of
+// MikkTSpace that are off would be written again.
 void print_command(const AssessedFile& file, const std::vector<CodeTotal>& totals) {
-  const auto has_error = [&](std::string_view of) {
-    return std::any_of(totals.begin(), totals.end(), [of](const CodeTotal& t) {
-      return t.first->severity == Severity::error && t.first->code.starts_with(of);
-    });
+  const auto any = [&](auto&& is) {
+    return std::any_of(totals.begin(), totals.end(), [&](const CodeTotal& t) { return is(*t.first); });
+  };
+  const auto has = [&](Code code) { return any([code](const Finding& f) { return code_of(f) == code; }); };
+  const auto is_error = [](const Finding& f, std::string_view of) {
+    return f.severity == Severity::error && f.code.starts_with(of);
   };
   const std::string extension = lower(std::filesystem::path(file.path).extension().string());
-  if ((extension == ".glb" || extension == ".gltf") && has_error("TANGENT_") && !has_error("NORMAL"))
-    std::cout << "  all errors of tangents at once: darboux tangents " << one_line(file.path) << " -o mended"
+  if ((extension == ".glb" || extension == ".gltf") && !has(Code::normal_missing) && !has(Code::uv_missing) &&
+      !any([&](const Finding& f) { return is_error(f, "NORMAL"); }) && any([&](const Finding& f) {
+        return is_error(f, "TANGENT_") &&
+               (code_of(f) != Code::tangent_angle || has(Code::tangent_not_mikktspace));
+      }))
+    std::cout << "  new tangents: darboux tangents " << quoted(one_line(file.path)) << " -o mended"
               << extension << '\n';
 }
 

@@ -193,6 +193,21 @@ TEST_F(Cli, ValidateReproducesTheEvidence) {
   }
 }
 
+// The command that mends is printed, as a shell reads it, and mends.
+TEST_F(Cli, ValidateNamesTheCommandThatMends) {
+  good("cp data/plainsphere_016.three.glb \"it's zero.glb\"");
+  const std::string text = good("darboux validate \"it's zero.glb\"", 1), mark = "new tangents: ";
+  const std::size_t at = text.find(mark);
+  ASSERT_NE(at, std::string::npos) << text;
+  const std::string command = text.substr(at + mark.size(), text.find('\n', at) - at - mark.size());
+  EXPECT_EQ(command, "darboux tangents 'it'\\''s zero.glb' -o mended.glb");
+  good(command);
+  EXPECT_NE(good("darboux validate mended.glb").find("mended.glb: pass"), std::string::npos);
+  // Where it would write the same again, it is not.
+  EXPECT_EQ(good("darboux validate mended.glb --surface sphere --max-angle 1", 1).find(mark),
+            std::string::npos);
+}
+
 TEST_F(Cli, ValidateTellsTheVerdictsApart) {
   const Json zero = only_mesh(json("darboux validate data/plainsphere_016.three.glb --json", 1));
   ASSERT_FALSE(zero["findings"].empty());

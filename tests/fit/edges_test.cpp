@@ -32,7 +32,7 @@ double stated_error_of_radius(const PointFit& fit) {
 }
 
 bool names_the_edge(const PointFit& fit) {
-  return fit.reason.find("without the outermost points the radius is") != std::string::npos;
+  return fit.reason.find("without the points at its edge the radius is") != std::string::npos;
 }
 
 // Densities of 4 (1 - x)^3 and 3 (1 - y)^2 over two coordinates. The support was the dense part: standard
@@ -90,7 +90,8 @@ TEST(Edges, PlanesBesideAFilletAreNamed) {
     }
     const PointFit of_fillet = fit_named(fillet, "cylinder");
     std::cout << of_fillet.reason << '\n';
-    spoken_of += of_fillet.reason != "converged";
+    spoken_of += names_the_edge(of_fillet) || !of_fillet.usable ||
+                 of_fillet.reason.find("correlated") != std::string::npos;
     if (of_fillet.reason == "converged") {
       EXPECT_LT(std::fabs(radius_of(of_fillet) - 1), 5 * stated_error_of_radius(of_fillet));
     }
@@ -99,6 +100,32 @@ TEST(Edges, PlanesBesideAFilletAreNamed) {
     EXPECT_FALSE(names_the_edge(of_cylinder)) << of_cylinder.reason;
   }
   EXPECT_GE(spoken_of, 4);
+}
+
+// The planes beside a fillet, sparser than it: where they are near, they lie within the noise and have no
+// outliers beside them, but the fit of the fillet does not explain them.
+TEST(Edges, SparsePlanesBesideAFilletDoNotCount) {
+  PortableRandom random(275);
+  std::cout << "seed 275\n";
+  int off = 0;
+  for (int repeat = 0; repeat < 10; ++repeat) {
+    const Eigen::Matrix3d turn = random.rotation();
+    PointCloud cloud;
+    for (int i = 0; i < 2150; ++i) {
+      const double z = random.uniform(-5, 5), x = random.uniform(), u = std::numbers::pi / 3 * x;
+      Eigen::Vector3d p(std::cos(u), std::sin(u), z);
+      if (i >= 2000 && i % 2 == 0) p = {1, -0.5 * x, z};
+      if (i >= 2000 && i % 2 == 1)
+        p = Eigen::Vector3d(0.5, std::sqrt(0.75), z) + 0.5 * x * Eigen::Vector3d(-std::sqrt(0.75), 0.5, 0);
+      cloud.positions.push_back(from_eigen(turn * p + 0.02 * random.normals()));
+    }
+    const PointFit fit = fit_named(cloud, "cylinder");
+    ASSERT_TRUE(fit.usable) << fit.reason;
+    const double deviations = (radius_of(fit) - 1) / stated_error_of_radius(fit);
+    std::cout << deviations << ": " << fit.reason << '\n';
+    off += std::fabs(deviations) > 4 && !names_the_edge(fit);
+  }
+  EXPECT_LE(off, 1);
 }
 
 // The caps of a can, at its rims: a radius seven standard errors too small was "converged".
@@ -157,17 +184,18 @@ TEST(Edges, NoiseThatCannotBeIsNamed) {
   for (int i = 0; i < 500; ++i)
     cloud.positions.push_back(from_eigen(random.normals().normalized() + 0.01 * random.normals()));
   for (const std::string kind : {"auto", "sphere"})
-    for (const double noise : {1e-3, 3e-3, 0.01, 0.05}) {
+    for (const double noise : {1e-3, 3e-3, 0.01, 0.05, 1.0, 100.0}) {
       PointFitOptions options;
       if (kind != "auto") options.surface = kind;
       options.noise = noise;
       const PointFit fit = fit_points(cloud, options);
-      EXPECT_EQ(fit.reason.find("may be too small: if it is estimated, a sphere with") != std::string::npos,
+      EXPECT_EQ(fit.reason.find("may be too small: if it is estimated, a sphere with noise 0.0") !=
+                    std::string::npos,
                 noise < 0.01)
           << kind << ", " << noise << ": " << fit.reason;
       EXPECT_EQ(fit.reason.find("may be too large") != std::string::npos, noise > 0.01)
           << kind << ", " << noise << ": " << fit.reason;
-      EXPECT_EQ(fit.usable && fit.inliers > 450, noise >= 0.01);
+      EXPECT_EQ(fit.usable && fit.inliers > 450, noise == 0.01 || noise == 0.05);
     }
 }
 

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <utility>
 
-#include "base/linear_algebra.h"
 #include "determinacy.h"
 #include "fit/common/lack_of_fit.h"
+#include "geometry.h"
 
 namespace darboux::fit {
 namespace {
@@ -38,15 +38,6 @@ Eigen::Matrix2Xd coordinates_of_feet(Eigen::Matrix3Xd points, const PrimitiveFit
     result.col(i) << at.a, at.b;
   }
   return result;
-}
-
-// The inverse of normal equations, zero in directions that they do not determine.
-Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& hessian) {
-  const auto [values, vectors] = symmetric_eigen(hessian);
-  constexpr double rounding = 1e-12;
-  const double least = rounding * values.maxCoeff();
-  const Eigen::VectorXd inverse = values.unaryExpr([least](double x) { return x > least ? 1 / x : 0; });
-  return vectors * inverse.asDiagonal() * vectors.transpose();
 }
 
 int count_numbers(const Primitive& primitive) {
@@ -112,7 +103,7 @@ std::optional<double> distance_of_groups(const PrimitiveFit& fit, const std::vec
 std::optional<EdgeEffect> edge_effect(const Eigen::Matrix3Xd& cloud, const PrimitiveFit& fit,
                                       const std::vector<bool>& is_inlier) {
   constexpr std::size_t fewest = 100;
-  constexpr double edge = 0.1, of_difference = 5, of_length = 3;
+  constexpr double edge = 0.1, of_difference = 5, of_length = 3, whole = 0.8;
   const std::vector<Eigen::Index> inliers = indices_of(is_inlier);
   if (inliers.size() < fewest || count_numbers(*fit.primitive) == 0) return std::nullopt;
   const Eigen::Matrix3Xd points = cloud(Eigen::all, inliers);
@@ -121,23 +112,27 @@ std::optional<EdgeEffect> edge_effect(const Eigen::Matrix3Xd& cloud, const Primi
   Eigen::MatrixXd jacobian;
   fit.primitive->distance.jacobian(points, model, jacobian);
   const Eigen::MatrixXd of_lengths = derivatives_of_lengths(*fit.primitive, model, jacobian.cols()),
-                        covariance = inverse_of(jacobian.transpose() * jacobian);
+                        covariance = determined_inverse(jacobian.transpose() * jacobian);
   // Least squares of the inliers are not quite the fit: it has weights, and allows for the bias by curvature.
   const Eigen::VectorXd of_all = covariance * (jacobian.transpose() * errors);
   const Eigen::Matrix2Xd at = coordinates_of_feet(points, fit, model);
+  const SupportChart& chart = fit.primitive->support;
   const double sigma = noise_and_rounding(fit);
   std::optional<EdgeEffect> result;
   double most = of_length;
   for (Eigen::Index along = 0; along < 2; ++along) {
     std::vector<double> sorted(at.row(along).begin(), at.row(along).end());
     std::sort(sorted.begin(), sorted.end());
+    const double range = along == 0 ? chart.range_a : chart.range_b;
+    if (range > 0 && sorted.back() - sorted.front() > whole * range) continue;
     const auto tenth = static_cast<std::size_t>(edge * static_cast<double>(sorted.size()));
-    const double low = sorted[tenth], high = sorted[sorted.size() - 1 - tenth];
+    const double low = along == 1 && chart.b_begins_at_a_point ? sorted.front() : sorted[tenth],
+                 high = sorted[sorted.size() - 1 - tenth];
     std::vector<Eigen::Index> inner;
     for (Eigen::Index i = 0; i < at.cols(); ++i)
       if (at(along, i) >= low && at(along, i) <= high) inner.push_back(i);
     const Eigen::MatrixXd of_inner = jacobian(inner, Eigen::all);
-    const Eigen::MatrixXd inner_covariance = inverse_of(of_inner.transpose() * of_inner);
+    const Eigen::MatrixXd inner_covariance = determined_inverse(of_inner.transpose() * of_inner);
     const Eigen::VectorXd change =
         of_lengths * (of_all - inner_covariance * (of_inner.transpose() * errors(inner)));
     for (Eigen::Index j = 0; j < change.size(); ++j) {
@@ -146,10 +141,12 @@ std::optional<EdgeEffect> edge_effect(const Eigen::Matrix3Xd& cloud, const Primi
                                                        of_lengths.row(j).transpose(),
                                                    0)),
                    deviations = std::fabs(change[j]) / deviation(fit, static_cast<std::size_t>(j));
-      if (!(std::fabs(change[j]) > of_difference * difference && deviations > most)) continue;
+      // A difference of 0: the inner points do not determine it.
+      if (!(difference > 0 && std::fabs(change[j]) > of_difference * difference && deviations > most))
+        continue;
       most = deviations;
-      result = EdgeEffect{static_cast<std::size_t>(j),
-                          fit.surface.lengths[static_cast<std::size_t>(j)] + change[j]};
+      const double length = fit.surface.lengths[static_cast<std::size_t>(j)];
+      result = EdgeEffect{static_cast<std::size_t>(j), length, length + change[j]};
     }
   }
   return result;

@@ -19,16 +19,17 @@ bool neighbours_are_alike(const Eigen::Matrix3Xd& cloud, const PrimitiveFit& fit
 // times their noise apart.
 std::optional<double> distance_of_groups(const PrimitiveFit& fit, const std::vector<bool>& is_inlier);
 
-// Which length (or angle) of the primitive the edge changes, and its value without the edge.
+// Which length (or angle) of the primitive the edge changes, its value, and that without the edge.
 struct EdgeEffect {
   std::size_t length;
-  double without_edge;
+  double with_edge, without_edge;
 };
 
-// Leaves out the tenth of the inliers nearest to each end of a coordinate on the surface. \return the length
-// that changes most; none if no length changes by three of its standard errors and by five of the
-// difference's [Hausman1978]. If one does, points at the edge belong to a surface that joins this one
-// smoothly, such as the planes beside a fillet. One linear step: the value is right to first order.
+// Leaves out the tenth of the inliers nearest to each end of a coordinate on the surface, if they do not go
+// all round it. \return the length that changes most; none if no length changes by three of its standard
+// errors and by five of the difference's [Hausman1978]. If one does, points at the edge belong to a surface
+// that joins this one smoothly, such as the planes beside a fillet. One linear step: the value is right to
+// first order.
 std::optional<EdgeEffect> edge_effect(const Eigen::Matrix3Xd& cloud, const PrimitiveFit& fit,
                                       const std::vector<bool>& is_inlier);
 

@@ -205,9 +205,11 @@ class PrimitivesFit {
 
   std::string edge_text(const Primitive& primitive, const EdgeEffect& effect) const {
     const bool is_length = effect.length < static_cast<std::size_t>(primitive.lengths);
-    return "without the outermost points the " + std::string(primitive.length_names[effect.length]) + " is " +
-           rounded((is_length ? points_.scale : degrees_per_radian) * effect.without_edge, 5) +
-           (is_length ? "" : " degrees") + ": those may belong to a surface that joins it; leave them out";
+    const double unit = is_length ? points_.scale : degrees_per_radian;
+    return "without the points at its edge the " + std::string(primitive.length_names[effect.length]) +
+           " is " + rounded(unit * effect.without_edge, 5) + (is_length ? "" : " degrees") + " instead of " +
+           rounded(unit * effect.with_edge, 5) +
+           ": they may belong to a surface that joins it; leave them out";
   }
 
   std::string report(const std::vector<PrimitiveFit>& tried) {
@@ -344,8 +346,11 @@ std::optional<PointFit> fit_beside_plane(const PointCloud& points, const Normali
   for (std::size_t i = 0; i < plane.is_inlier.size(); ++i) common += plane.is_inlier[i] && all.is_inlier[i];
   if (static_cast<double>(common) < most * static_cast<double>(all.inliers)) return std::nullopt;
   auto [beside, scale, are_noise] = fit_of_others(points, plane.is_inlier, quiet, only);
-  if (!beside.usable ||
-      static_cast<double>(beside.inliers) < enough * static_cast<double>(normal.finite - plane.inliers))
+  // A few points beside a plane are its outliers.
+  constexpr double few = 0.05;
+  const auto others = static_cast<double>(normal.finite - plane.inliers);
+  if (!beside.usable || others < few * static_cast<double>(normal.finite) ||
+      static_cast<double>(beside.inliers) < enough * others)
     return std::nullopt;
   // An object on the ground was measured in the same way. If its noise is larger, it is of another kind.
   constexpr double noisier = 1.5;
@@ -497,29 +502,6 @@ class ClumpedFit {
 
 }  // namespace
 
-// Where the noise was given and cannot be that of the points: what they show. Too small, it explains few of
-// them; then the noise is estimated, and a surface with more points and clearly more noise speaks against it.
-std::string doubt_of_noise(const PointCloud& points, const PointFitOptions& options, const Primitive* only,
-                           const PointFit& fit) {
-  constexpr double nearly_all = 0.9, more_noise = 1.5, far_less = 0.25;
-  constexpr std::size_t enough = 20;
-  if (!options.noise) return {};
-  const std::string given = "; the noise of " + rounded(*options.noise, 3) + " may be too ";
-  if (fit.usable && fit.inliers >= enough && fit.rms < far_less * *options.noise)
-    return given + "large: the distances are " + rounded(fit.rms, 3) + " rms";
-  const auto finite = static_cast<double>(fit.inliers + fit.outliers);
-  if (fit.usable && static_cast<double>(fit.inliers) >= nearly_all * finite) return {};
-  PointFitOptions estimating = options;
-  estimating.noise.reset();
-  estimating.progress = nullptr;
-  const PointFit other = fit_primitives(points, estimating, only, Effort::full);
-  if (!other.usable || other.sigma < more_noise * *options.noise ||
-      (fit.usable && other.inliers <= fit.inliers))
-    return {};
-  return given + "small: if it is estimated, " + with_article(other.surface->surface.info().name) + " with " +
-         std::to_string(other.inliers) + " points and noise " + rounded(other.sigma, 3) + " is found";
-}
-
 PointFit fit_primitives(const PointCloud& points, const PointFitOptions& options, const Primitive* only,
                         Effort effort) {
   check_arguments(points, options);
@@ -537,7 +519,6 @@ PointFit fit_primitives(const PointCloud& points, const PointFitOptions& options
   }
   if (effort == Effort::full)
     if (auto beside = fit_beside_plane(points, normal, options, only, fit)) fit = *std::move(beside);
-  if (effort == Effort::full) fit.reason += doubt_of_noise(points, options, only, fit);
   fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
   if (options.progress) options.progress(1);
   return fit;

@@ -82,6 +82,14 @@ LocalModel local_frame(const Vector3d& origin, const Vector3d& x, const Vector3d
   return m;
 }
 
+Eigen::MatrixXd determined_inverse(const Eigen::MatrixXd& hessian) {
+  const auto [values, vectors] = symmetric_eigen(hessian);
+  constexpr double rounding = 1e-12;
+  const double least = rounding * values.maxCoeff();
+  const Eigen::VectorXd inverse = values.unaryExpr([least](double x) { return x > least ? 1 / x : 0; });
+  return vectors * inverse.asDiagonal() * vectors.transpose();
+}
+
 Vector3d least_direction(const Matrix3d& symmetric) {
   return closed_form_symmetric_eigen(symmetric).vectors.col(0);
 }

@@ -26,6 +26,9 @@ Vector3d radial(const GeometricParameters& n, const Vector3d& at);
 // The local frame at a surface point, with this x and z.
 LocalModel local_frame(const Vector3d& origin, const Vector3d& x, const Vector3d& z);
 
+// The inverse of normal equations, zero in directions that they do not determine.
+Eigen::MatrixXd determined_inverse(const Eigen::MatrixXd& hessian);
+
 // The eigenvector of the smallest eigenvalue.
 Vector3d least_direction(const Matrix3d& symmetric);
 

@@ -143,7 +143,7 @@ constinit const Primitive paraboloid_primitive{
     .start = start,
     .localise = localise,
     .geometric = geometric,
-    .support = {support_frame, coordinates, 2 * std::numbers::pi, 0},
+    .support = {support_frame, coordinates, 2 * std::numbers::pi, 0, true},
     .to_catalogue = to_catalogue,
     .from_catalogue = from_catalogue,
     .foot = foot,

@@ -88,7 +88,8 @@ struct SupportChart {
   // cloud gets the same cells.
   GeometricParameters (*frame)(const GeometricParameters&, const Vector3d& mean, const Matrix3d& scatter);
   SupportCoordinates (*coordinates)(const GeometricParameters& frame, const Vector3d& point_in_frame);
-  double range_a, range_b;  // the whole range of a coordinate that has one; 0 for a length
+  double range_a, range_b;           // the whole range of a coordinate that has one; 0 for a length
+  bool b_begins_at_a_point = false;  // as at a vertex: no edge
 };
 
 // The extent of the inliers along a direction, about the centre.

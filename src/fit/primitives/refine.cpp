@@ -174,10 +174,17 @@ class Refinement {
       phase_ = Phase::robust;
       near_ *= 0.1;
     } else if (small && has_outliers_ && since_support_ > 0.1 && supports_ < 8) {
-      find_support(primitive_, problem_.cloud, primitive_.geometric(model_), mixture_, states_);
+      sparse_ = find_support(primitive_, problem_.cloud, primitive_.geometric(model_), mixture_, states_);
+      if (sparse_points_count_) take_sparse_points();
       ++supports_;
       since_support_ = 0;
     } else if (movement <= 1e-15 + (phase_ == Phase::score ? 1e-9 : 1e-6) * standard_error) {
+      if (!sparse_points_count_ && are_on_the_surface(sparse_)) {
+        sparse_points_count_ = true;
+        take_sparse_points();
+        phase_ = Phase::robust;
+        return true;
+      }
       converged_ = true;
       return false;
     } else if (phase_ == Phase::score && !moved) {
@@ -190,6 +197,39 @@ class Refinement {
     return without_a_step_ < 4;
   }
 
+  void take_sparse_points() {
+    for (const Eigen::Index i : sparse_) states_.in_support[static_cast<std::size_t>(i)] = 1;
+  }
+
+  // Whether the fit of the others explains these points, as far as it is known: a score test [Rao1948]. With
+  // J the derivatives of their distances e, J'e has the covariance sigma^2 (H + H C H), H = J'J, sigma^2 C
+  // that of the fit.
+  bool are_on_the_surface(const std::vector<Eigen::Index>& points) const {
+    if (points.empty()) return false;
+    const auto count = static_cast<Eigen::Index>(points.size());
+    Matrix3Xd cloud(3, count);
+    Eigen::VectorXd errors(count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const auto i = points[static_cast<std::size_t>(k)];
+      const double e = states_.error(static_cast<std::size_t>(i));
+      cloud.col(k) = problem_.cloud.col(i);
+      errors[k] = inlier_probability(e, mixture_) * e;
+    }
+    Eigen::MatrixXd jacobian;
+    primitive_.distance.jacobian(cloud, model_, jacobian);
+    const Eigen::MatrixXd h = jacobian.transpose() * jacobian;
+    const Eigen::VectorXd gradient = jacobian.transpose() * errors / mixture_.sigma;
+    const auto [values, vectors] = symmetric_eigen(Eigen::MatrixXd(h + h * determined_inverse(hessian_) * h));
+    double sum = 0, rank = 0;
+    for (Eigen::Index k = 0; k < values.size(); ++k) {
+      if (!(values[k] > 1e-12 * values.maxCoeff())) continue;
+      const double along = vectors.col(k).dot(gradient);
+      sum += along * along / values[k];
+      ++rank;
+    }
+    return sum < rank + 2 * std::sqrt(2 * rank);  // chi^2: about one in twenty is more
+  }
+
   const SearchProblem& problem_;
   const Primitive& primitive_;
   PointStates states_;
@@ -199,6 +239,8 @@ class Refinement {
   Eigen::MatrixXd hessian_, hessian_before_;
   Phase phase_ = Phase::robust;
   std::vector<double> weights_;
+  std::vector<Eigen::Index> sparse_;  // of the last support: see find_support
+  bool sparse_points_count_ = false;
   int supports_ = 0, iterations_ = 0, without_a_step_ = 0;
   // Movements since the support was last found, in standard errors.
   double since_support_ = std::numeric_limits<double>::infinity();

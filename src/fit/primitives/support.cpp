@@ -86,9 +86,11 @@ class Cells {
   double zero_ = 0, begin_, width_;
 };
 
-void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
-                      const GeometricParameters& surface, std::vector<NearPoint>& near, double total,
-                      double sigma, double least_sigma, PointStates& states) {
+// \return the points of clean sparse cells
+std::vector<Eigen::Index> keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
+                                           const GeometricParameters& surface, std::vector<NearPoint>& near,
+                                           double total, double sigma, double least_sigma,
+                                           PointStates& states) {
   const int cells = std::min(12, static_cast<int>(std::sqrt(total / 60)));
   const Moments m = moments(near, cloud, total);
   const GeometricParameters frame = primitive.support.frame(surface, m.mean, m.scatter);
@@ -119,7 +121,7 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
     densities.emplace_back(density[c], count[c]);
     if (count[c] >= 8) variances.push_back(squares[c] / count[c]);
   }
-  if (densities.empty()) return;
+  if (densities.empty()) return {};
   std::sort(densities.begin(), densities.end());
   // A clump: cells twice as dense as those of the sparsest third of the points, whose distances are neither
   // the others' noise nor rounding; adjoining cells with wider distances belong to it too.
@@ -160,10 +162,14 @@ void keep_dense_cells(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
     constexpr double few = 0.1, band = 3, beyond = near_deviations - band;
     return near_deviations * sigma < 1 && (beside[c] + 3) * band / beyond < few * within[c];
   };
+  std::vector<Eigen::Index> sparse_points;
   for (const NearPoint& x : near) {
     const auto c = static_cast<std::size_t>(x.cell);
-    states.in_support[x.point] = x.cell >= 0 && (density[c] >= 0.3 * typical || is_clean(c)) && !is_clump[c];
+    const bool may_be = x.cell >= 0 && !is_clump[c], is_dense = may_be && density[c] >= 0.3 * typical;
+    states.in_support[x.point] = is_dense;
+    if (may_be && !is_dense && is_clean(c)) sparse_points.push_back(static_cast<Eigen::Index>(x.point));
   }
+  return sparse_points;
 }
 
 // For too few points for cells: uses the distance within which the other points weigh `enough`.
@@ -206,8 +212,9 @@ void keep_points_with_neighbours(const Eigen::Matrix3Xd& cloud, const std::vecto
 
 }  // namespace
 
-void find_support(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
-                  const GeometricParameters& surface, const Mixture& mixture, PointStates& states) {
+std::vector<Eigen::Index> find_support(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
+                                       const GeometricParameters& surface, const Mixture& mixture,
+                                       PointStates& states) {
   std::vector<NearPoint> near;
   double total = 0;
   for (std::size_t i = 0; i < states.d.size(); ++i) {
@@ -217,9 +224,10 @@ void find_support(const Primitive& primitive, const Eigen::Matrix3Xd& cloud,
   }
   states.in_support = states.regular;
   if (total >= 240)
-    keep_dense_cells(primitive, cloud, surface, near, total, mixture.sigma, mixture.least_sigma, states);
-  else if (total >= 16)
-    keep_points_with_neighbours(cloud, near, total, mixture.least_sigma, states);
+    return keep_dense_cells(primitive, cloud, surface, near, total, mixture.sigma, mixture.least_sigma,
+                            states);
+  if (total >= 16) keep_points_with_neighbours(cloud, near, total, mixture.least_sigma, states);
+  return {};
 }
 
 }  // namespace darboux::fit
