@@ -66,7 +66,7 @@ std::string doubt_of_noise(const PointCloud& points, const PointFitOptions& opti
              too_large = !fit.usable && other.sigma < far_less * *options.noise;
   if (!too_small && !too_large) return {};
   return given + (too_small ? "small" : "large") + ": if it is estimated, " +
-         with_article(other.surface->surface.info().name) + " with noise " + rounded(other.sigma, 3) +
+         fit::with_article(other.surface->surface.info().name) + " with noise " + rounded(other.sigma, 3) +
          " is found";
 }
 
