@@ -128,7 +128,7 @@ TEST(BadFiles, NotGltf) {
   }
   expect_bytes_refused("ply\n", "expected a GLB by its content, or one of the extensions", "mesh.off");
   expect_bytes_refused("x", "expected a GLB by its content, or one of the extensions", "no_extension");
-  expect_bytes_refused("1 2 3\n", "got '.xyz', which holds points: darboux fit reads them", "scan.xyz");
+  expect_bytes_refused("1 2 3\n", "got \".xyz\", which holds points: darboux fit reads them", "scan.xyz");
 }
 
 // Line ends of Windows and a byte order mark are read; UTF-16, NUL bytes and numbers that JSON lacks are not.

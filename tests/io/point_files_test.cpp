@@ -441,7 +441,9 @@ TEST_F(PointFiles, RefusesWhatIsNoTableOfNumbers) {
   refused("a.xyz", good + std::string("1 2 \0", 5) + "3\n", {"a.xyz:2: "});
   for (const std::string bad : {"1 2", "1 2 3 4", "1", "1 2 3 4 5 6 7 8 9"})
     refused("a.xyz", good + bad + "\n", {"a.xyz:2: ", "columns", "3 numbers x y z"});
-  for (const std::string bad : {"1 2", "1"}) refused("a.xyz", "\n" + bad + "\n", {"a.xyz:2: "});
+  refused("a.xyz", "\n1 2\n", {"a.xyz:2: "});
+  refused("a.xyz", "\n1\n", {"expected at least one point"});  // a count, and no points
+  refused("a.xyz", "1\n2\n3\n", {"a.xyz:2: ", "columns", "3 numbers x y z"});
   refused("a.csv", "1,5;2,5;3,5\n",
           {"a.csv:1: ", "\"1,5\", which is two numbers, or one with a decimal comma; write decimal points"});
   refused("a.xyz", "1,5 2,5 3,5\n", {"a.xyz:1: ", "\"5 2\", which is two numbers"});
