@@ -123,9 +123,9 @@ TEST(Edges, SparsePlanesBesideAFilletDoNotCount) {
     ASSERT_TRUE(fit.usable) << fit.reason;
     const double deviations = (radius_of(fit) - 1) / stated_error_of_radius(fit);
     std::cout << deviations << ": " << fit.reason << '\n';
-    off += std::fabs(deviations) > 4 && !names_the_edge(fit);
+    off += std::fabs(deviations) > 2;
   }
-  EXPECT_LE(off, 1);
+  EXPECT_LE(off, 3);  // of ten; all are if sparse points count unasked
 }
 
 // The caps of a can, at its rims: a radius seven standard errors too small was "converged".
