@@ -101,7 +101,8 @@ constexpr std::array kinds{
     FindingKind{"TANGENT_TEXTURE_TRANSFORM", info,
                 "tangents follow the uvs after KHR_texture_transform, and are judged by them", "nothing"},
     FindingKind{"TANGENT_UV_SET_USED", info,
-                "the material names no uv set of the mesh for tangents; they follow another set than the first, and are "
+                "the material names no uv set of the mesh for tangents; they follow another set than the "
+                "first, and are "
                 "judged by it",
                 "nothing"},
     FindingKind{"TANGENT_MISSING", info, "the mesh stores no tangents",
