@@ -11,6 +11,7 @@
 
 #include "base/counted.h"
 #include "base/text.h"
+#include "report_command.h"
 #include "validate_files.h"
 
 namespace darboux {
@@ -308,15 +309,6 @@ std::string verdict_text(const AssessedFile& file) {
   return std::string(name_of(file.verdict)) + (with_warnings ? ", with warnings" : "");
 }
 
-// As a shell reads it.
-std::string quoted(const std::string& path) {
-  constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-+/";
-  if (path.find_first_not_of(plain) == std::string::npos) return path;
-  std::string result = "'";
-  for (const char c : path) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return result + "'";
-}
-
 // New tangents mend errors of tangents (docs/findings.md) where normals and uvs are sound. Those of
 // MikkTSpace that are off would be written again.
 void print_command(const AssessedFile& file, const std::vector<CodeTotal>& totals) {
@@ -333,7 +325,7 @@ void print_command(const AssessedFile& file, const std::vector<CodeTotal>& total
         return is_error(f, "TANGENT_") &&
                (code_of(f) != Code::tangent_angle || has(Code::tangent_not_mikktspace));
       }))
-    std::cout << "  new tangents: darboux tangents " << quoted(one_line(file.path)) << " -o mended"
+    std::cout << "  new tangents: darboux tangents " << shell_quoted(one_line(file.path)) << " -o mended"
               << extension << '\n';
 }
 

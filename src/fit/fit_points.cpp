@@ -3,6 +3,7 @@
 
 #include <darboux/fit_points.h>
 
+#include "base/evenly_chosen.h"
 #include "base/text.h"
 #include "fit/catalogue/fit_catalogue.h"
 #include "fit/common/arguments.h"
@@ -32,9 +33,8 @@ PointFit fit_positions(const PointCloud& points, const PointFitOptions& options)
 
 // At most so many of the points, evenly chosen.
 PointCloud some_of(const PointCloud& points, std::size_t most) {
-  const std::size_t step = (points.positions.size() + most - 1) / most;
   PointCloud some;
-  for (std::size_t i = 0; i < points.positions.size(); i += step) {
+  for (const std::size_t i : evenly_chosen(points.positions.size(), most)) {
     some.positions.push_back(points.positions[i]);
     if (!points.normals.empty()) some.normals.push_back(points.normals[i]);
   }

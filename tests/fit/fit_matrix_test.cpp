@@ -52,7 +52,7 @@ std::vector<matrix::Cell> cells_of(std::string_view kind) {
 class FitMatrix : public testing::TestWithParam<std::string_view> {};
 
 TEST_P(FitMatrix, WhatIsStatedHolds) {
-  const std::uint64_t sets = thinning() == 1 ? 12 : 6;
+  constexpr std::uint64_t sets = 12;
   const std::vector<matrix::Cell> cells = cells_of(GetParam());
   ASSERT_GE(cells.size(), 8U);
   matrix::Hits wrong_kind;

@@ -229,12 +229,11 @@ struct Tally {
     const std::size_t n = counts[cell.count];
     if (n >= 1000 && cell.region < 2 && scattered && hits[0].below(0.99))
       text += "usable " + hits[0].text() + " %, ";
-    // A mean of N chi squared of p degrees of freedom, over p: exceeded once in a million
-    // [WilsonHilferty1931].
+    // A mean of N chi squared of p degrees of freedom, over p.
     const double unknowns = std::array{3., 4., 5., 6., 7., 9.}[cell.kind];
     const double limit = n >= 1000 ? 1.1 : n >= 50 ? 1.25 : 0;
-    const double ninth = 2 / (9 * unknowns * std::max<double>(1, static_cast<double>(usable))),
-                 spread = std::pow(1 - ninth + 4.75 * std::sqrt(ninth), 3);
+    const double spread =
+        1 + 4.75 * std::sqrt(2 / (unknowns * std::max<double>(1, static_cast<double>(usable))));
     if (usable && limit > 0 && cell.sigma < 2 && error() > limit * std::sqrt(spread))
       text += "error " + std::to_string(error()) + ", ";
     if (judge == Judge::all && seconds > 2) text += "slowest " + std::to_string(seconds) + " s, ";

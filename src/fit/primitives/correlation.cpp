@@ -46,23 +46,6 @@ int count_numbers(const Primitive& primitive) {
       std::count_if(names.begin(), names.end(), [](std::string_view name) { return !name.empty(); }));
 }
 
-// The derivatives of the primitive's lengths and angle with respect to (rotation vector, parameters), a row
-// per length.
-Eigen::MatrixXd derivatives_of_lengths(const Primitive& primitive, const LocalModel& model,
-                                       Eigen::Index unknowns) {
-  constexpr double step = 1e-6;
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(count_numbers(primitive), unknowns);
-  for (Eigen::Index k = 3; k < unknowns; ++k) {
-    LocalModel less = model, more = model;
-    less.s[static_cast<std::size_t>(k - 3)] -= step, more.s[static_cast<std::size_t>(k - 3)] += step;
-    const auto of_less = primitive.geometric(less).lengths, of_more = primitive.geometric(more).lengths;
-    for (int j = 0; j < result.rows(); ++j)
-      result(j, k) =
-          (of_more[static_cast<std::size_t>(j)] - of_less[static_cast<std::size_t>(j)]) / (2 * step);
-  }
-  return result;
-}
-
 }  // namespace
 
 bool neighbours_are_alike(const Eigen::Matrix3Xd& cloud, const PrimitiveFit& fit,
@@ -111,7 +94,8 @@ std::optional<EdgeEffect> edge_effect(const Eigen::Matrix3Xd& cloud, const Primi
   const LocalModel model = fit.primitive->localise(fit.surface, fit.reference);
   Eigen::MatrixXd jacobian;
   fit.primitive->distance.jacobian(points, model, jacobian);
-  const Eigen::MatrixXd of_lengths = derivatives_of_lengths(*fit.primitive, model, jacobian.cols()),
+  const Eigen::MatrixXd of_lengths = geometric_derivatives(*fit.primitive, model, fit.reference)
+                                         .middleRows(6, count_numbers(*fit.primitive)),
                         covariance = determined_inverse(jacobian.transpose() * jacobian);
   // Least squares of the inliers are not quite the fit: it has weights, and allows for the bias by curvature.
   const Eigen::VectorXd of_all = covariance * (jacobian.transpose() * errors);

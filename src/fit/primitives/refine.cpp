@@ -36,38 +36,6 @@ Vector3d turn_between(Orientation orientation, const Vector3d& axis, const Matri
   return rotation.angle() * rotation.axis();
 }
 
-// The covariance of the geometric parameters, from their numerical derivatives with respect to the local
-// tangent.
-Covariance geometric_covariance(const Primitive& primitive, const LocalModel& model,
-                                const Eigen::MatrixXd& covariance, const Vector3d& reference) {
-  const int n = 3 + primitive.distance.parameters;
-  Eigen::Matrix<double, 9, Eigen::Dynamic> by(9, n);
-  const GeometricParameters centre = primitive.geometric(model);
-  for (int k = 0; k < n; ++k) {
-    double size = 1e-5;
-    // The step of a curvature is relative: radii may be large.
-    if (k == 4 && primitive.second_parameter_is_curvature) size *= std::min(1.0, std::fabs(model.s[1]));
-    std::array<GeometricParameters, 2> moved;
-    for (int side = 0; side < 2; ++side) {
-      LocalModel m = model;
-      const double step = (side == 0 ? -1 : 1) * size;
-      if (k < 3)
-        m.rotation = m.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(step, Vector3d::Unit(k)));
-      else
-        m.s[static_cast<std::size_t>(k - 3)] += step;
-      moved[static_cast<std::size_t>(side)] = primitive.geometric(m);
-    }
-    const Vector3d turn =
-        turn_between(primitive.orientation, centre.axes.col(2), moved[0].axes, moved[1].axes) / (2 * size);
-    const Vector3d shift = (moved[1].centre - moved[0].centre) / (2 * size);
-    by.col(k).head<3>() = turn;
-    by.col(k).segment<3>(3) = shift - turn.cross(centre.centre - reference);
-    for (std::size_t l = 0; l < 3; ++l)
-      by(6 + static_cast<Eigen::Index>(l), k) = (moved[1].lengths[l] - moved[0].lengths[l]) / (2 * size);
-  }
-  return by * covariance * by.transpose();
-}
-
 // Refines over all points: updates mixture, bias and support from the last estimate, then makes a step or
 // two, until nothing moves. First the robust phase, then the root of the likelihood's gradient.
 class Refinement {
@@ -129,7 +97,8 @@ class Refinement {
     Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(all, all);
     covariance(free, free) =
         mixture_.sigma * mixture_.sigma * vectors * inverse.asDiagonal() * vectors.transpose();
-    fit.covariance = geometric_covariance(primitive_, model_, covariance, fit.reference);
+    const GeometricDerivatives by = geometric_derivatives(primitive_, model_, fit.reference);
+    fit.covariance = by * covariance * by.transpose();
   }
 
  private:
@@ -265,6 +234,36 @@ PrimitiveFit with_all_points(const SearchProblem& problem, Hypothesis hypothesis
 }
 
 }  // namespace
+
+GeometricDerivatives geometric_derivatives(const Primitive& primitive, const LocalModel& model,
+                                           const Vector3d& reference) {
+  const int n = 3 + primitive.distance.parameters;
+  GeometricDerivatives by(9, n);
+  const GeometricParameters centre = primitive.geometric(model);
+  for (int k = 0; k < n; ++k) {
+    double size = 1e-5;
+    // The step of a curvature is relative: radii may be large.
+    if (k == 4 && primitive.second_parameter_is_curvature) size *= std::min(1.0, std::fabs(model.s[1]));
+    std::array<GeometricParameters, 2> moved;
+    for (int side = 0; side < 2; ++side) {
+      LocalModel m = model;
+      const double step = (side == 0 ? -1 : 1) * size;
+      if (k < 3)
+        m.rotation = m.rotation * Eigen::Quaterniond(Eigen::AngleAxisd(step, Vector3d::Unit(k)));
+      else
+        m.s[static_cast<std::size_t>(k - 3)] += step;
+      moved[static_cast<std::size_t>(side)] = primitive.geometric(m);
+    }
+    const Vector3d turn =
+        turn_between(primitive.orientation, centre.axes.col(2), moved[0].axes, moved[1].axes) / (2 * size);
+    const Vector3d shift = (moved[1].centre - moved[0].centre) / (2 * size);
+    by.col(k).head<3>() = turn;
+    by.col(k).segment<3>(3) = shift - turn.cross(centre.centre - reference);
+    for (std::size_t l = 0; l < 3; ++l)
+      by(6 + static_cast<Eigen::Index>(l), k) = (moved[1].lengths[l] - moved[0].lengths[l]) / (2 * size);
+  }
+  return by;
+}
 
 PrimitiveFit refine(const SearchProblem& problem, const Hypothesis& hypothesis, bool give_up) {
   // In larger sets with uniform noise, no part lies this close to a surface by chance.

@@ -31,6 +31,12 @@ struct PrimitiveFit {
   int iterations = 0;
 };
 
+// The derivatives of (rotation vector, movement of `reference`, lengths) with respect to the model's
+// (rotation vector, parameters), a column each. By central differences.
+using GeometricDerivatives = Eigen::Matrix<double, 9, Eigen::Dynamic>;
+GeometricDerivatives geometric_derivatives(const Primitive& primitive, const LocalModel& model,
+                                           const Vector3d& reference);
+
 // \param give_up only measures the surface
 PrimitiveFit refine(const SearchProblem& problem, const Hypothesis& hypothesis, bool give_up);
 
