@@ -18,7 +18,7 @@ namespace darboux {
 /// 1 collapses to a point, dpdu is exactly zero (dpdu_zero) and the frame is the limit along v; if several
 /// rows lie in one point, dpdv is zero too. The same holds for u. Where dpdu and dpdv are parallel the status
 /// is parallel and the frame is the limit. Partials err by at most 8u (1 + condition) of their scale, u the
-/// unit roundoff; the condition is of the size 2 (p + q). A net far from the origin loses nothing but its own
+/// unit roundoff; the condition is of the size 2 (p + q). A net far from the origin adds no error but its own
 /// rounding. The scalar needs an order. [PieglTiller1997, ch. 1 and 4]
 template <class T = double>
 class BezierPatch {
@@ -98,7 +98,7 @@ class BezierPatch {
     return result;
   }
 
-  /// What jet() is made of: the spans of u and v, and the window of the net there.
+  /// The inputs of jet(): the spans of u and v, and the window of the net there.
   template <class S>
   static detail::BezierSpan<S> span_u(const S& u) {
     return {u};

@@ -12,7 +12,7 @@ namespace darboux {
 
 /// Bilinear patch over four corners, a piece of a hyperbolic paraboloid (or plane).
 ///   P(u, v) = (1 - u)(1 - v) p00 + u (1 - v) p10 + (1 - u) v p01 + u v p11
-/// p10 is the corner at u = 1, v = 0. n = dpdu × dpdv / |.|: towards the reader where p00, p10, p11, p01 run
+/// p10 is the corner at u = 1, v = 0. n = dpdu × dpdv / |.|: towards the viewer where p00, p10, p11, p01 run
 /// counter-clockwise. Singular where two corners coincide (the partial along that edge is zero: dpdu_zero or
 /// dpdv_zero) and where dpdu and dpdv are parallel. Partials err by at most 4u of the largest corner's
 /// coordinates, u the unit roundoff; the frame is that of the partials. [doCarmo2016, sec. 3-5]

@@ -66,7 +66,7 @@ class BSplinePatch {
   /// The interior knots along u (0) or v (1).
   std::vector<double> breaks(int along) const { return (along == 0 ? u_ : v_).breaks(); }
 
-  /// What is wrong with the data, empty when nothing is.
+  /// What is wrong with the data; empty if nothing is.
   static std::string refusal(int degree_u, int degree_v, const std::vector<T>& knots_u,
                              const std::vector<T>& knots_v, const std::vector<Vec3<T>>& control_points,
                              const std::vector<T>& weights) {
@@ -121,7 +121,7 @@ class BSplinePatch {
     return result;
   }
 
-  /// What jet() is made of: the spans of u and v, and the window of the net there.
+  /// The inputs of jet(): the spans of u and v, and the window of the net there.
   template <class S>
   detail::KnotSpan<S, T> span_u(const S& u) const {
     return u_.span(u);

@@ -9,8 +9,8 @@ namespace darboux {
 ///   P(u, v) = c (cosh w cos 2πu, cosh w sin 2πu, w),   w = extent (2v - 1)
 /// u runs round the axis in turns, v upwards; the waist, of radius c, is at v = 1/2. n = (cos 2πu / cosh w,
 /// sin 2πu / cosh w, -tanh w) points away from the axis. Regular everywhere. Frame components err by at most
-/// 4u times (1 + condition), u the unit roundoff, the condition being that of cosh w (at most |w|); an extent
-/// beyond which cosh w overflows spoils position and partials but not the frame. [doCarmo2016, sec. 3-5]
+/// 4u times (1 + condition), u the unit roundoff, the condition being that of cosh w (at most |w|); if cosh w
+/// overflows, position and partials are lost, but not the frame. [doCarmo2016, sec. 3-5]
 template <class T = double>
 struct Catenoid {
   T waist_radius{1}, extent{1};

@@ -10,9 +10,9 @@ namespace darboux {
 /// u runs round the axis in turns (counter-clockwise from +x), v from the base (0) to the apex (1).
 ///   n = (h cos 2πu, h sin 2πu, r) / hypot(r, h)
 /// points outward. The chart is singular at the apex, where dpdu vanishes; so is the cone itself, whose
-/// normal there depends on u. The frame at v = 1 is the limit along the generator of the given u: the one of
-/// every other point of that generator. Frame components err by at most 4u, partials by at most 8u of their
-/// scale, u the unit roundoff, for every radius and height. [doCarmo2016, sec. 2-2]
+/// normal there depends on u. The frame at v = 1 is the limit along the generator of the given u: the same
+/// as at every other point of that generator. Frame components err by at most 4u, partials by at most 8u of
+/// their scale, u the unit roundoff, for every radius and height. [doCarmo2016, sec. 2-2]
 template <class T = double>
 struct Cone {
   T radius{1}, height{1};

@@ -33,7 +33,7 @@ struct Disk {
                                        "radius of the hole, a length below outer_radius; 0: no hole")};
   }
 
-  /// What is wrong with the two radii together; empty when nothing is.
+  /// What is wrong with the two radii together; empty if nothing is.
   std::string refusal() const {
     if (inner_radius < outer_radius) return {};
     const auto text = [](const T& x) {

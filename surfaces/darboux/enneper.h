@@ -11,7 +11,7 @@ namespace darboux {
 /// n = (-2s, 2t, 1 - s² - t²) / (1 + s² + t²), +z at the centre. Regular everywhere; dpdu and dpdv are
 /// orthogonal and of equal length. The points (s, t) and (-s, t) with s² = 3 + 3t² coincide, and so do (s,
 /// t) and (s, -t) with t² = 3 + 3s². On these curves and beyond them the status is self_intersecting; they
-/// are reached from an extent of sqrt 3 on. Frame components err by at most 4u times (1 + condition), u the
+/// are reached if extent >= sqrt 3. Frame components err by at most 4u times (1 + condition), u the
 /// unit roundoff, the condition being that of s and t in extent, u, v. [doCarmo2016, sec. 3-5]
 template <class T = double>
 struct Enneper {

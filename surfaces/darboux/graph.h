@@ -52,7 +52,7 @@ struct RoundHill {
 /// function is an object f(x, y) for any scalar. Its derivatives come from a member jet(x, y) that returns a
 /// FunctionJet, if it has one, else from nested dual numbers, exact to rounding:
 ///   Graph surface{[](const auto& x, const auto& y) { return x * x - y * y; }, -1.0, 1.0, -1.0, 1.0};
-/// Exceptions of the function are passed on; where a derivative is NaN or infinite there is no frame
+/// Exceptions of the function propagate; where a derivative is NaN or infinite there is no frame
 /// (no_frame, overflow). Frame components err by at most 4u (1 + condition), u the unit roundoff, the
 /// condition that of f_x and f_y in u and v. [doCarmo2016, sec. 3-3]
 template <class F = RoundHill<double>, class T = double>

@@ -9,10 +9,10 @@ namespace darboux {
 /// once.
 ///   P(u, v) = (ρ cos x, ρ sin x, z),   x = 2πu,   y = 2πv
 ///   ρ = R + r (cos(x/2) sin y - sin(x/2) sin 2y),   z = r (sin(x/2) sin y + cos(x/2) sin 2y)
-/// u runs round the axis, v along the figure 8, both in turns. P(u + 1, v) = P(u, 1 - v), and n changes its
+/// u runs round the axis, v along the figure 8, both in turns. P(u + 1, v) = P(u, 1 - v), and n changes
 /// sign there: the surface has one side, the frame two values per point, and u is reduced modulo 2. v = 0 and
 /// v = 1/2 are one circle, the double points of the figures: self_intersecting. For R <= 1.25 r the figures
-/// reach the axis; where ρ <= 0 the status is self_intersecting too. Regular but for points of the axis
+/// reach the axis; where ρ <= 0 the status is self_intersecting too. Regular except at points of the axis
 /// where the figure is at an extreme distance from its centre, ρ = 0 and (1 + 4 cos 2y) sin 2y = 0: there
 /// dpdu and dpdv are parallel, and the limit of n depends on the direction; no_frame. For R = r these points
 /// only touch the axis, and the frame is the limit along the given v. With the unit tangent τ of the figure,

@@ -7,7 +7,7 @@ namespace darboux {
 
 /// Möbius strip about the z axis: a segment that makes half a turn while its centre goes round once.
 ///   P(u, v) = (ρ cos x, ρ sin x, s sin(x/2)),   x = 2πu,   s = width (v - 1/2),   ρ = R + s cos(x/2)
-/// u runs round the centre circle in turns, v across the strip. P(u + 1, v) = P(u, 1 - v), and n changes its
+/// u runs round the centre circle in turns, v across the strip. P(u + 1, v) = P(u, 1 - v), and n changes
 /// sign there: the strip has one side, the frame two values per point, and u is reduced modulo 2. With the
 /// unit vectors e_r, e_t, e_z of cylindrical coordinates and q = sqrt(ρ² + s²/4),
 ///   n = (ρ sin(x/2) e_r + (s/2) e_t - ρ cos(x/2) e_z) / q,   b = cos(x/2) e_r + sin(x/2) e_z

@@ -75,7 +75,8 @@ struct MonkeySaddle {
   static constexpr S centred(const S& x) {
     return lift<S>(2.0) * x - lift<S>(1.0);
   }
-  // dz/ds = 3h (s - t)(s + t) and dz/dt = -6h s t. s + t = 2 (u + v - 1), with what u + v lost to rounding.
+  // dz/ds = 3h (s - t)(s + t) and dz/dt = -6h s t. s + t = 2 (u + v - 1), including the rounding error of u +
+  // v.
   template <class S>
   constexpr Vec2<S> slope(const S& u, const S& v) const {
     const S one = lift<S>(1.0), h = lift<S>(height);

@@ -19,7 +19,7 @@ namespace darboux {
 /// The sign is + for w < π/2 and - for w > π/2, so that n leans away from the axis on both sides of the
 /// cuspidal edge w = π/2. dpdv vanishes on this edge; it points away from the axis before it and towards the
 /// axis beyond it. On the edge the status is dpdv_zero and crease, as n jumps to its opposite; the frame is
-/// the limit from w < π/2 (from w > π/2 if the surface begins at the edge). π/2 is no floating-point
+/// the limit from w < π/2 (from w > π/2 if the surface begins at the edge). π/2 is not a floating-point
 /// number: the edge is where cos w rounds to 0. Outside the domain, where the tractrix ends at infinity (w a
 /// multiple of π) and b = 0, the status is dpdu_zero and t is the limit. Frame components err by at most 4u
 /// times (1 + condition), u the unit roundoff; the condition is that of x and w in their inputs. [Gray2006]
@@ -44,7 +44,7 @@ struct Pseudosphere {
         parameter<&Pseudosphere::w1>("w1", below_pi, "the same at v = 1, radians", {1.5, 3.1})};
   }
 
-  /// What is wrong with w0 and w1 together; empty when nothing is.
+  /// What is wrong with w0 and w1 together; empty if nothing is.
   std::string refusal() const {
     if (w0 < w1) return {};
     const auto text = [](const T& x) {

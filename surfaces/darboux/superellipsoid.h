@@ -24,7 +24,7 @@ namespace darboux {
 ///   frame is the limit from the side where the cosine (sine) is positive
 /// All of these frames are limits (limit_frame). Second partials may be infinite there for any exponent
 /// but 1. On a meridian C = 0 or S = 0 limits are taken along v first. Frame components err by at most 8u
-/// times (1 + condition), u the unit roundoff, for exponents up to 1.75. Unlike other formulas it asks for
+/// times (1 + condition), u the unit roundoff, for exponents up to 1.75. Unlike other formulas it uses
 /// the signs of sines and cosines. [Barr1981]
 template <class T = double>
 struct Superellipsoid {
@@ -54,7 +54,7 @@ struct Superellipsoid {
                                                "exponent of the parallels, a number", {0.1, 1.75})};
   }
 
-  /// The meridians, the poles and the equator, where a power of another exponent than 1 begins anew.
+  /// The meridians, the poles and the equator, where a power with an exponent other than 1 is not smooth.
   std::vector<double> breaks(int along) const {
     if (along == 0)
       return exponent_u == T(1) ? std::vector<double>{} : std::vector<double>{0, 0.25, 0.5, 0.75};
@@ -149,7 +149,7 @@ struct Superellipsoid {
   static S power(const S& x, const T& e) {
     return e == T(0) ? lift<S>(1.0) : S(pow(x, lift<S>(e)));
   }
-  // p q, and 0 where p is 0 for good and q infinite: p is no variable of the derivative q
+  // p q; 0 where p is identically 0 and q infinite: q is not a derivative with respect to p.
   template <class S>
   static S times(const S& p, const S& q) {
     using detail::all_numbers;

@@ -12,8 +12,8 @@ namespace darboux {
 /// -R/r: there dpdu vanishes and the frame is the limit from outside, t = (-sin 2πu, cos 2πu, 0). Beyond (R +
 /// r cos 2πv < 0, the lemon inside a spindle torus) t = dpdu/|dpdu| is the opposite of that, the handedness
 /// is -1 and the status self_intersecting. Frame components err by at most 4u, u the unit roundoff, for every
-/// R and r (on a spindle torus: away from the axis, where the sign of R + r cos 2πv is what rounding leaves
-/// of it). [doCarmo2016, sec. 2-2]
+/// R and r (on a spindle torus: away from the axis, where the sign of R + r cos 2πv depends on
+/// rounding). [doCarmo2016, sec. 2-2]
 template <class T = double>
 struct Torus {
   T major_radius{1}, minor_radius{0.25};

@@ -16,7 +16,7 @@ namespace darboux {
 /// Tube of constant radius r about a curve K with its moving frame (T, N, B), B = T × N.
 ///   P(u, v) = K(u) + r (cos 2πv N(u) - sin 2πv B(u))
 /// u runs along the curve, v round the tube in turns. n = cos 2πv N - sin 2πv B points out of the tube
-/// everywhere. The curve brings its frame: CircleCurve, HelixCurve (Frenet's), LineSegment, PlanarCurve for
+/// everywhere. The curve provides its frame: CircleCurve, HelixCurve (Frenet's), LineSegment, PlanarCurve for
 /// any planar curve; for a curve in space UprightCurve (closed form) or RotationMinimisingCurve (with the
 /// error it states). With Frenet's frame and κ the curve's curvature, dpdu = speed (1 - r κ cos 2πv) T + r
 /// twist (sin 2πv N + cos 2πv B). Where r κ cos 2πv = 1 the tube reaches its focal curve: dpdu is zero

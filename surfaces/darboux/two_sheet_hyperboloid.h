@@ -13,7 +13,7 @@ namespace darboux {
 /// n points down and out of the cup. The chart is singular at the tip, where dpdu vanishes; there the frame
 /// is the limit along the curve of the given u: t as above, n = (0, 0, -1). Frame components err by at most
 /// 4u for all axes, also of very different sizes, and any extent; partials by at most 8u (1 + extent) of
-/// their scale, u the unit roundoff. Position and partials take sinh and cosh of elementary.h. [doCarmo2016,
+/// their scale, u the unit roundoff. Position and partials use sinh and cosh of elementary.h. [doCarmo2016,
 /// sec. 2-2]
 template <class T = double>
 struct TwoSheetHyperboloid {
