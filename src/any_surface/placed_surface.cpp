@@ -9,7 +9,7 @@
 namespace darboux {
 namespace {
 
-// Row by row M, then the offset: a flip replaces the stored coordinate x by 1 - x, a swap exchanges them
+// M row by row, then the offset: a flip replaces the stored coordinate x by 1 - x; a swap exchanges the two
 // afterwards.
 constexpr UvConvention conventions[] = {
     {"as stored", {1, 0, 0, 1, 0, 0}},    {"flip v", {1, 0, 0, -1, 0, 1}},
@@ -25,7 +25,8 @@ double rounded_to_quarter(double x) {
   return std::fabs(x - rounded) < 1e-6 ? rounded : x;
 }
 
-// How far in v a uv may be from a pole and mean it: four roundings of uvs stored as floats, or a millionth.
+// How far in v a uv may be from a pole and still mean it: four roundings of uvs stored as floats, or a
+// millionth.
 double pole_tolerance(const UvConvention& uv, const Vec2<double>& stored) {
   const auto& m = uv.affine;
   return std::fmax(1e-6,
@@ -50,7 +51,7 @@ Truth PlacedSurface::truth(const Vec2<double>& stored) const {
 
 DARBOUX_FLATTEN Truth PlacedSurface::truth(const Vec2<double>& stored, const Sample<double>& at) const {
   const Vec2<double> p = uv.surface_uv(stored);
-  // A uv that misses a pole by a rounding means the pole, for beside it dpdu may point either way.
+  // A uv that misses a pole by rounding means the pole, since next to it dpdu may point either way.
   const Vec2<double> rounded{rounded_to_quarter(p.x), rounded_to_quarter(p.y)};
   std::optional<Sample<double>> other;
   if (rounded != p) other = surface.sample(rounded.x, rounded.y);
@@ -60,15 +61,16 @@ DARBOUX_FLATTEN Truth PlacedSurface::truth(const Vec2<double>& stored, const Sam
   const bool rounded_off =
       !other && !has(at.frame.status, singular) && norm(at.jet.dpdu) < tolerance * norm(at.jet.d2pduv);
   if (rounded_off) {
-    // Within its roundings a disk's inner radius, and dpdu, may have either sign: beside the pole it has one.
+    // Within its rounding a disk's inner radius, and so dpdu, may have either sign; next to the pole its sign
+    // is definite.
     const double step = 2 * tolerance;
     other = surface.sample(p.x, p.y + (p.y < 0.5 ? step : -step));
     if (dot(n, other->frame.n) < 0) n = other->frame.n;
   }
   const Sample<double>& s = other ? *other : at;
   const Frame<double>& frame = s.frame;
-  // The derivative along (a, b) in (u, v); where a partial vanishes the other decides, and where only the
-  // vanished one is asked for its limit direction does.
+  // The derivative along (a, b) in (u, v). If one partial vanishes, the other decides; if only the vanishing
+  // one is requested, its limit direction does.
   const auto along = [&](double a, double b) {
     if (rounded_off || has(frame.status, Status::dpdu_zero))
       return b == 0 ? std::copysign(1.0, a) * frame.t : b * s.jet.dpdv;

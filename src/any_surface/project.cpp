@@ -28,7 +28,7 @@ bool usable(const Jet2<double>& j) {
          detail::finite(j.d2pdu2) && detail::finite(j.d2pduv) && detail::finite(j.d2pdv2);
 }
 
-// (u, v) with the whole periods taken off.
+// (u, v) with whole periods removed.
 Vec2<double> reduced(const SurfaceInfo& info, Vec2<double> uv) {
   const auto off = [](double& x) {
     const double whole = std::floor(x);
@@ -53,7 +53,7 @@ Vec2<double> newton_step(const Jet2<double>& j, const Vec3<double>& r, const Vec
   if (u_free) huu += dot(r, j.d2pdu2 / a) / a;
   if (v_free) hvv += dot(r, j.d2pdv2 / b) / b;
   if (u_free && v_free) huv = dot(j.dpdu, j.dpdv) / a / b + dot(r, j.d2pduv / a) / b;
-  // H = V diag(λ) V^T with |λ| in place of λ: always downhill, Newton's step near a minimum.
+  // H = V diag(λ) V^T with λ replaced by |λ|: always downhill, Newton's step near a minimum.
   const double mean = (huu + hvv) / 2, half = std::hypot((huu - hvv) / 2, huv);
   const double angle = 0.5 * std::atan2(huv, (huu - hvv) / 2), c = std::cos(angle), s = std::sin(angle);
   const double first = std::fmax(std::fabs(mean + half), least_eigenvalue),
@@ -103,8 +103,8 @@ Vec2<double> Projector::limited(const Vec2<double>& uv) const {
   return {std::clamp(uv.x, u_.minimum, u_.maximum), std::clamp(uv.y, v_.minimum, v_.maximum)};
 }
 
-// At a point where a whole coordinate curve collapses every value of that coordinate is the same point: the
-// one along whose other curve p comes nearer fastest is taken. False where none leads nearer.
+// At a point where a whole coordinate curve collapses, every value of that coordinate gives the same point:
+// chooses the value along whose other curve the distance to p decreases fastest. False if none decreases it.
 bool Projector::nearer_beside_collapse(const Vec3<double>& p, const Jet2<double>& j, Vec2<double>& uv) const {
   constexpr int directions = 16;
   const bool u_collapses = norm(j.dpdu) <= norm(j.dpdv);
@@ -152,7 +152,7 @@ Projection Projector::newton(const Vec3<double>& p, Vec2<double> uv) const {
   const double scale = std::fmax(size_, detail::largest_component(p));
   uv = limited(uv);
   Jet2<double> j = surface_.jet(uv.x, uv.y);
-  // Off a line where the partials are infinite.
+  // Steps off a line where the partials are infinite.
   for (int k = 0; k < 4 && !usable(j); ++k) {
     constexpr double beside = 0.3 / (grid - 1);
     const Vec2<double> candidate =
@@ -167,15 +167,15 @@ Projection Projector::newton(const Vec3<double>& p, Vec2<double> uv) const {
     const Vec3<double> r = j.position - p;
     const double a = norm(j.dpdu), b = norm(j.dpdv);
     const double collapse = 1e-9 * std::fmax(a, b);
-    // Lengths along the coordinate curves as unknowns. One that has collapsed, or whose border holds it, is
-    // out.
+    // The unknowns are lengths along the coordinate curves. One that has collapsed, or is held at the border,
+    // is excluded.
     double gu = a > collapse ? dot(r, j.dpdu) / a : 0, gv = b > collapse ? dot(r, j.dpdv) / b : 0;
     const bool u_free = a > collapse && !(uv.x <= u_.minimum && gu >= 0) && !(uv.x >= u_.maximum && gu <= 0);
     const bool v_free = b > collapse && !(uv.y <= v_.minimum && gv >= 0) && !(uv.y >= v_.maximum && gv <= 0);
     if (!u_free) gu = 0;
     if (!v_free) gv = 0;
     const double slope = std::hypot(gu, gv);
-    // What rounding of uv and position leaves of the slope.
+    // The part of the slope that rounding of uv and position explains.
     const double noise = 16 * rounding * (scale + norm(r));
     if (slope <= noise) {
       Vec2<double> beside = uv;
@@ -250,7 +250,7 @@ Projection Projector::operator()(const Vec3<double>& p) const {
   Projection best;
   best.distance = infinity;
   int iterations = 0;
-  // A side that is one point brings many starts at one place.
+  // A side that is one point yields many starts at the same place.
   std::vector<const Node*> tried;
   for (const Start& start : starts) {
     const Node& node = nodes_[start.node];

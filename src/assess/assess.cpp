@@ -90,8 +90,8 @@ Assessment assessment_of(const MeshUnderTest& under_test, Recognition recognitio
   if (mesh.uvs.empty()) add(report, finding(Code::uv_missing, std::max<std::size_t>(mesh.corners(), 1)));
   if (fits || !options.references.analytic || (mesh.uvs.empty() && !declared)) return result;
   const std::size_t corners = std::max<std::size_t>(mesh.corners(), 1);
-  // A declared surface that is near enough is no mismatch, even if the fit cannot determine which of its
-  // charts the uvs are.
+  // A declared surface that is near enough is not a mismatch, even if the fit cannot determine which of its
+  // charts the uvs belong to.
   if (declared && recognition.identifiable && !is_near(result.fit)) {
     add(report, finding(Code::surface_mismatch, corners, recognition.reason));
     report.verdict = Verdict::fail;
@@ -245,7 +245,7 @@ Recognition recognise_whole(const MeshUnderTest& under_test, const AssessOptions
              : recognise(under_test.mesh, under_test.raw_sign, options.placement, budget);
 }
 
-// If one assessment passes, parts that nothing could judge do not make the mesh undetermined.
+// If one assessment passes, undetermined parts do not make the mesh undetermined.
 void close_what_is_left(std::vector<Assessment>& assessments) {
   const bool passes = std::any_of(assessments.begin(), assessments.end(), [](const Assessment& assessment) {
     return assessment.report.without_errors == Verdict::pass;

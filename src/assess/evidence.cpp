@@ -23,7 +23,7 @@ struct Prior {
   Symmetry symmetry;
   int unknowns;  // of a profile through rings about the axis; of lengths between points of a ball; else of
                  // the whole fit
-  double log10_odds;  // log10 odds of a part of somebody's model being one, against all that it may be
+  double log10_odds;  // log10 odds that a part of a typical model is one, against all alternatives
 };
 constexpr Prior priors[] = {
     {SurfaceKind::sphere, Symmetry::sphere, 2, -2},
@@ -126,7 +126,7 @@ double spare_columns(const Orbits& orbits) {
   return std::fmin(static_cast<double>(orbits.columns) - 3, static_cast<double>(orbits.mirrored) - 2);
 }
 
-// The number of positions up to the signs of their coordinates.
+// The number of positions that differ by more than the signs of their coordinates.
 std::size_t folded(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& placement) {
   std::vector<Eigen::Vector3d> list;
   const Eigen::Isometry3d to_local = placement.inverse();
@@ -250,7 +250,7 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   } else {
     orbits.count = lengths(mesh, shape, fit);
     if (prior.symmetry == Symmetry::sphere) {
-      // Positions that a lathe or a mirror puts onto a ball together count once, whatever the axis.
+      // Positions that a rotation or a mirror maps onto each other on a ball count once, whatever the axis.
       orbits.count = std::min(orbits.count, folded(mesh, shape, placement));
       for (int axis = 0; axis < 3; ++axis)
         for (const Eigen::Matrix3d& frame : {Eigen::Matrix3d(placement.linear()), shape.axes}) {
@@ -272,7 +272,7 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   // Uvs: the same orbits once more, if the uvs are the surface's own.
   const double uvs =
       !own ? 0 : std::fmax(0, std::fmin(static_cast<double>(orbits.count) - (affine ? 3 : 1), most_uvs));
-  // Normals that are the surface's and not their triangles'.
+  // Normals that agree with the surface and not with their triangles.
   double normals = 0;
   Normals compared;
   const bool faceted = shape.is_faceted();
@@ -293,7 +293,7 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
   } else if (faceted) {
     normals = -4;
   }
-  // Without normals and own uvs nothing would be compared with the surface, and positions alone must give
+  // Without normals and its own uvs nothing would be compared with the surface, so positions alone must give
   // more evidence.
   const double mute = !own && mesh.normals.empty() ? -2 : 0;
   // A ring of eight sides or more with smooth normals is intended to be round.

@@ -21,12 +21,12 @@ namespace darboux {
 // much freedom that it must fit better. \param limit the largest rms_relative that is accepted
 std::string nearest_fit(const MeshFit& fit, double limit);
 
-// What may still be tried on a mesh, given what was tried on the other meshes of its file: a time limit, and
-// counts of parts that matched no surface.
+// The remaining budget for a mesh after the other meshes of its file: a time limit, and counts of parts that
+// matched no surface.
 class SearchBudget {
  public:
-  // What repeated parts have in common in any placement: five numbers for their shape, one each for uvs and
-  // normals.
+  // The common properties of repeated parts in any placement: five numbers for their shape, one each for uvs
+  // and normals.
   using Outline = std::array<std::size_t, 7>;
 
   explicit SearchBudget(const AssessOptions& options);

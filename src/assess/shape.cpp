@@ -29,7 +29,7 @@ constexpr double apart = 10;               // the second nearest quadric must be
 constexpr double clear = 1e-3;             // of the largest eigenvalue of a quadric's form
 constexpr std::size_t fewest = 8;          // positions
 constexpr double most_polyhedral = 0.2;    // of the edges that turn
-constexpr std::size_t many_places = 1000;  // beyond, folds (as of Schwarz's lantern) tell nothing
+constexpr std::size_t many_places = 1000;  // beyond, folds (as of Schwarz's lantern) are no evidence
 // Many small facets that turn by equal angles still make a surface.
 constexpr std::size_t fine_places = 48;
 constexpr double fine_turn_deg = 35;

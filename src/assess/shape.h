@@ -1,4 +1,4 @@
-// What a mesh looks like before any surface is fitted: how many positions it has, how its faces turn, whether
+// Properties of a mesh before any surface is fitted: how many positions it has, how its faces turn, whether
 // it is flat.
 #pragma once
 
@@ -45,7 +45,7 @@ Quadric quadric_of(const Mesh& mesh, const Shape& shape);  // looks at some hund
 // quadratic. A torus is one.
 bool may_be_cyclide(const Mesh& mesh, const Shape& shape);  // looks at some hundreds of positions
 
-// Why it is pointless to look for a curved surface; none if there may be one.
+// Why it is pointless to search for a curved surface; none if there may be one.
 std::optional<Evidence> against_any_surface(const Shape& shape);
 
 }  // namespace darboux

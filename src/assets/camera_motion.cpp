@@ -13,7 +13,7 @@ namespace {
 
 using io::JsonCursor;
 
-// Nodes of a file, from a root to one that is shown.
+// Nodes of a file, from a root to a shown one.
 std::vector<std::size_t> nodes_above(const std::vector<io::ShownNode>& shown, std::size_t at) {
   std::vector<std::size_t> result{shown[at].node};
   for (; shown[at].parent != at; at = shown[at].parent) result.push_back(shown[shown[at].parent].node);
@@ -21,7 +21,7 @@ std::vector<std::size_t> nodes_above(const std::vector<io::ShownNode>& shown, st
   return result;
 }
 
-// f(channel, node, path) for the channels of an animation that move nodes.
+// Calls f(channel, node, path) for the channels of an animation that move nodes.
 template <class F>
 void for_each_move(const JsonCursor& animation, F&& f) {
   const JsonCursor channels = animation.at("channels");

@@ -19,8 +19,8 @@ namespace {
 using io::Json;
 using io::JsonCursor;
 
-// Extensions that name no accessors and no bufferViews beside those that each_accessor() and each_view()
-// visit.
+// Extensions that reference no accessors and no bufferViews other than those that each_accessor() and
+// each_view() visit.
 bool names_no_data(std::string_view extension) {
   constexpr std::string_view families[] = {"KHR_materials_", "KHR_texture_",  "KHR_lights_",
                                            "EXT_texture_",   "MSFT_packing_", "MSFT_texture_"};
@@ -33,7 +33,7 @@ bool names_no_data(std::string_view extension) {
          std::find(std::begin(names), std::end(names), extension) != std::end(names);
 }
 
-// Calls f with the number behind a key, where there is one.
+// Calls f with the number under a key, if there is one.
 template <class F>
 void number_at(Json& owner, const char* key, F& f) {
   if (!owner.is_object()) return;
@@ -46,7 +46,7 @@ void each_of(Json& owner, const char* key, F f) {
     for (Json& value : *found) f(value);
 }
 
-// Calls f with each number of an accessor in the document.
+// Calls f with each index of an accessor in the document.
 template <class F>
 void each_accessor(Json& json, F f) {
   const auto all_values = [&](Json& values) {
@@ -75,7 +75,7 @@ void each_accessor(Json& json, F f) {
   });
 }
 
-// Calls f with the numbers of the bufferViews of an accessor's sparse part.
+// Calls f with the bufferView indices of an accessor's sparse part.
 template <class F>
 void each_view_of_sparse(Json& accessor, F& f) {
   if (!accessor.is_object() || !accessor.contains("sparse")) return;
@@ -83,19 +83,19 @@ void each_view_of_sparse(Json& accessor, F& f) {
   for (const char* part : {"indices", "values"})
     if (sparse.is_object() && sparse.contains(part)) number_at(sparse[part], "bufferView", f);
 }
-// The same of the whole accessor.
+// The same for the whole accessor.
 template <class F>
 void each_view_of_accessor(Json& accessor, F& f) {
   number_at(accessor, "bufferView", f);
   each_view_of_sparse(accessor, f);
 }
-// The same of all images.
+// The same for all images.
 template <class F>
 void each_view_of_images(Json& json, F& f) {
   each_of(json, "images", [&](Json& image) { number_at(image, "bufferView", f); });
 }
 
-// A number in the document names no entry: it contradicts itself.
+// The document is inconsistent: an index names no entry.
 struct NoEntry {};
 std::size_t index_below(const Json& number, std::size_t size) {
   const double value = number.get<double>();
@@ -103,21 +103,21 @@ std::size_t index_below(const Json& number, std::size_t size) {
   return static_cast<std::size_t>(value);
 }
 
-// Takes entries out of an array.
+// Removes entries from an array.
 void take_out(Json& array, const std::vector<bool>& gone) {
   Json left = Json::array();
   for (std::size_t i = 0; i < array.size(); ++i)
     if (!gone[i]) left.push_back(std::move(array[i]));
   array = std::move(left);
 }
-// What the numbers of entries become.
+// The new index of each entry.
 std::vector<std::size_t> renumbered(const std::vector<bool>& gone) {
   std::vector<std::size_t> result(gone.size());
   for (std::size_t i = 0, next = 0; i < gone.size(); ++i) result[i] = gone[i] ? next : next++;
   return result;
 }
 
-// Takes accessors out of a document, with the bufferViews and bytes that nothing else uses.
+// Removes accessors from a document, with the bufferViews and bytes that nothing else uses.
 class Compaction {
  public:
   Compaction(GltfFile& file, const std::set<std::size_t>& accessors) : file_(file), json_(file.json) {
@@ -137,7 +137,7 @@ class Compaction {
     for (std::size_t v = 0; v < views; ++v) gone_views_[v] = gone_views_[v] && !kept[v];
   }
 
-  // False where elements would not lie at one distance any more; then nothing was changed.
+  // Returns false if the elements of some view would no longer be equally spaced; then nothing was changed.
   bool run(std::size_t& saved) {
     mark();
     if (!measure()) return false;
@@ -181,14 +181,14 @@ class Compaction {
     const Elements result{number, accessor.integer_or("byteOffset", 0),
                           in.stride != 0 ? in.stride : layout.element_bytes, layout.element_bytes,
                           layout.count};
-    // No sum or product that could wrap.
+    // No sum or product may wrap around.
     if (result.size > in.length || result.offset > in.length - result.size ||
         result.count - 1 > (in.length - result.size - result.offset) / result.stride)
       accessor.fail("elements within its bufferView of " + std::to_string(in.length) + " bytes", "others");
     return result;
   }
 
-  // Marks words of 4 bytes that only what goes uses; in words, so that all else stays aligned.
+  // Marks 4-byte words that only removed data use; whole words, so that everything else stays aligned.
   void mark() {
     for (const auto& bytes : file_.buffers) gone_.emplace_back(bytes ? (bytes->size() + 3) / 4 : 0, false);
     const auto mark_gone = [&](std::size_t buffer, std::size_t begin, std::size_t end) {
@@ -210,7 +210,7 @@ class Compaction {
       if (gone_accessors_[a]) each_element(a, mark_gone);
     for (std::size_t v = 0; v < gone_views_.size(); ++v)
       if (gone_views_[v]) mark_gone(view(v).buffer, view(v).offset, view(v).offset + view(v).length);
-    // What stays has the last word: elements, and views that are used as a whole.
+    // Data that stay take precedence: elements, and views that are used as a whole.
     std::vector<bool> whole(gone_views_.size(), true);
     auto mark_whole = [&](Json& number) { whole[index_below(number, whole.size())] = true; };
     for (std::size_t a = 0; a < gone_accessors_.size(); ++a)
@@ -231,14 +231,14 @@ class Compaction {
     }
   }
 
-  // Where a byte comes to lie.
+  // The new offset of a byte.
   std::size_t moved(std::size_t buffer, std::size_t byte) const {
     const std::size_t word = byte / 4;
     const bool within = word < gone_[buffer].size() && !gone_[buffer][word];
     return 4 * std::size_t{kept_before_[buffer][word]} + (within ? byte % 4 : 0);
   }
 
-  // Where views and elements come to lie.
+  // Computes the new offsets of views and elements.
   bool measure() {
     Json accessors = json_["accessors"];
     Json views = json_.contains("bufferViews") ? json_["bufferViews"] : Json::array();
@@ -301,7 +301,7 @@ class Compaction {
   std::vector<std::vector<std::uint32_t>> kept_before_;  // how many words before each stay
 };
 
-// The accessors that idle primitives alone have as tangents, taken off them.
+// Removes the tangents of idle primitives, and returns the accessors that only these used.
 std::set<std::size_t> take_off_idle(GltfFile& file, const TangentNeeds& needs, DroppedIdle& result) {
   std::set<std::size_t> accessors;
   const auto take_off = [&](Json& owner) {
@@ -313,7 +313,7 @@ std::set<std::size_t> take_off_idle(GltfFile& file, const TangentNeeds& needs, D
   for (const PrimitiveNeed& p : needs.primitives) {
     if (p.need != TangentNeed::idle) continue;
     Json& primitive = file.json["meshes"][p.mesh]["primitives"][p.primitive];
-    // A morph target may not be empty: one of tangents alone keeps the primitive as it is.
+    // A morph target must not be empty: one with tangents only leaves the primitive unchanged.
     bool alone = false;
     each_of(primitive, "targets",
             [&](Json& target) { alone = alone || (target.size() == 1 && target.contains("TANGENT")); });
@@ -329,7 +329,7 @@ std::set<std::size_t> take_off_idle(GltfFile& file, const TangentNeeds& needs, D
   return accessors;
 }
 
-// Why accessors cannot be renumbered, empty where they can.
+// The reason why accessors cannot be renumbered; empty if they can.
 std::string obstacle(const GltfFile& file) {
   if (!file.root().has("extensionsUsed")) return "";
   const JsonCursor used = file.root().at("extensionsUsed");

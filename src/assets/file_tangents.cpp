@@ -41,7 +41,7 @@ Vec3<float> to_float(const Vec3<double>& a) {
   return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
 }
 
-// The numbers of all corners of a primitive: x, y, z, w of the tangent, then x, y, z of each target's delta.
+// The values of all corners of a primitive: x, y, z, w of the tangent, then x, y, z of each target's delta.
 class CornerTangents {
  public:
   CornerTangents(std::size_t corners, std::size_t targets)
@@ -72,8 +72,8 @@ class CornerTangents {
   mikk::Buffer<float> values_;
 };
 
-// Perpendicular to the stored normal where there is one, as readers of the file expect. Polynomials and some
-// fragment methods have a normal of their own.
+// Perpendicular to the stored normal, if any, as readers of the file expect. Polynomials and some fragment
+// methods have their own normal.
 Vec3<double> perpendicular_to_stored(const Mesh& mesh, std::uint32_t v, const Vec3<double>& t) {
   if (mesh.normals.empty()) return t;
   const Vec3<double>& n = mesh.normals[v];
@@ -84,7 +84,7 @@ Vec3<double> perpendicular_to_stored(const Mesh& mesh, std::uint32_t v, const Ve
   return norm(s) > least * norm(t) ? s / norm(s) : t;
 }
 
-// A vertex no corner uses gets a valid direction that nothing reads.
+// A vertex that no corner uses gets a valid direction, which nothing reads.
 constexpr Vec4<float> unused{1, 0, 0, 1};
 
 template <class T>
@@ -126,7 +126,7 @@ std::size_t store_by_vertex(GltfDocument& document, const Primitive& p,
   if (!tangents.others.empty()) {
     split.source.resize(vertices);
     std::iota(split.source.begin(), split.source.end(), 0U);
-    split.corner.assign(vertices, SplitVertices::no_corner);  // not looked at
+    split.corner.assign(vertices, SplitVertices::no_corner);  // not read
     split.indices.assign(corners.begin(), corners.end());
     std::vector<std::uint32_t> others;
     for (const mikk::CornerTangent& other : tangents.others) others.push_back(other.corner);
@@ -146,7 +146,7 @@ std::size_t store_by_vertex(GltfDocument& document, const Primitive& p,
   return count;
 }
 
-// Of a primitive whose floats lie in the file: nothing is copied but what is written.
+// For a primitive whose floats are used in place: only what is written is copied.
 PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p, const io::FloatMesh& mesh,
                                 const FileTangentOptions& options) {
   const std::size_t corners = 3 * mesh.triangles;
@@ -245,7 +245,7 @@ PrimitiveTangents give_tangents(GltfDocument& document, const Primitive& p,
 
 FileTangents add_tangents(GltfDocument& document, const FileTangentOptions& options) {
   find_frame_method(options.method);  // unknown names are refused in files without primitives too
-  // What mikktspace makes of floats needs no doubles.
+  // MikkTSpace works on floats and needs no doubles.
   std::vector<std::optional<io::FloatMesh>> floats;
   const Asset asset = io::read_gltf(document.file(), options.method == "mikktspace" ? &floats : nullptr);
   floats.resize(asset.primitives.size());

@@ -16,7 +16,7 @@ namespace {
 
 using io::JsonCursor;
 
-// Reads no further than the first texel that is not flat.
+// Stops at the first texel that is not flat.
 bool is_flat(const std::string& file, const std::string& name, std::string_view bytes, bool two_channels,
              double scale) {
   bool flat = true;
@@ -31,13 +31,13 @@ bool is_flat(const std::string& file, const std::string& name, std::string_view 
   return flat;
 }
 
-// What names the bytes of an image: several may be the same.
+// A key for the bytes of an image: several images may share them.
 std::string bytes_name(const JsonCursor& image) {
   return image.has("uri") ? image.at("uri").text()
                           : "bufferView " + std::to_string(image.at("bufferView").integer());
 }
 
-// The extensions that name an image beside, or instead of, the texture's own.
+// The extensions that reference an image in addition to, or instead of, the texture's own.
 constexpr const char* other_images[] = {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif",
                                         "MSFT_texture_dds"};
 

@@ -29,7 +29,8 @@ MapSource map_source(const std::string& path, const std::optional<ChosenPrimitiv
                      const ReadOptions& options);
 
 /// Checks the memory that convert_normal_map() takes for its result against ReadOptions::max_memory.
-/// \param there bytes of what it reads \param texels with so many channels of a type \throws FileError
+/// \param there bytes of its input \param texels of the result, with so many channels of a type
+/// \throws FileError
 void check_map_memory(const std::string& file, std::uint64_t there, std::uint64_t texels, int channels,
                       SampleType type, const ReadOptions& options);
 

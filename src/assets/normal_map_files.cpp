@@ -21,7 +21,7 @@ MapWrap wrap_of(const JsonCursor& sampler, const char* key) {
   return mode == clamp ? MapWrap::clamp : mode == mirror ? MapWrap::mirror : MapWrap::repeat;
 }
 
-// What reads the frame through the texture that Primitive::texcoord belongs to.
+// The property that reads the frame through the texture to which Primitive::texcoord belongs.
 std::optional<io::FrameReader> reader_of(const GltfFile& file, const JsonCursor& primitive) {
   for (const std::size_t material : io::materials_of(file, primitive))
     for (const io::FrameReader& reader : io::frame_readers(file, material))
@@ -29,7 +29,7 @@ std::optional<io::FrameReader> reader_of(const GltfFile& file, const JsonCursor&
   return std::nullopt;
 }
 
-// Its texture, where the document has it.
+// Its texture, if the document has it.
 std::optional<JsonCursor> texture_of(const GltfFile& file, const io::FrameReader& reader) {
   if (!reader.texture) return std::nullopt;
   const JsonCursor root = file.root();
@@ -39,7 +39,7 @@ std::optional<JsonCursor> texture_of(const GltfFile& file, const io::FrameReader
   return root.at("textures").at(*reader.texture);
 }
 
-// How that texture goes on outside [0, 1].
+// The wrap modes of that texture.
 std::array<MapWrap, 2> wraps_of(const GltfFile& file, const io::FrameReader& reader) {
   const std::optional<JsonCursor> texture = texture_of(file, reader);
   if (!texture || !texture->has("sampler")) return {MapWrap::repeat, MapWrap::repeat};

@@ -49,12 +49,13 @@ io::NamedCamera camera_of_node(const GltfFile& file, const JsonCursor& node, con
   if (!(aspect > 1e-3 && aspect < 1e3))
     place.fail("a width over height from 0.001 to 1000", shortest(aspect));
   camera.height_px = std::max(1, static_cast<int>(std::lround(camera.width_px / aspect)));
-  // Whole pixels show no less than the file's view: where they are too high, a little more above and below.
+  // The picture shows at least the file's view: if whole pixels make it too high, a little more above and
+  // below.
   const double more = std::fmax(1, aspect * camera.height_px / camera.width_px);
   if (more > 1 && camera.projection == Camera::Projection::perspective)
     camera.vertical_field_of_view_rad = 2 * std::atan(more * std::tan(camera.vertical_field_of_view_rad / 2));
   camera.view_height *= more;
-  // The scale of a node is none of its camera.
+  // The scale of a node does not affect its camera.
   camera.pose.linear() = world.topLeftCorner<3, 3>().colwise().normalized();
   camera.pose.translation() = world.topRightCorner<3, 1>();
   try {
@@ -65,14 +66,14 @@ io::NamedCamera camera_of_node(const GltfFile& file, const JsonCursor& node, con
   return result;
 }
 
-// Whether what lies behind a material is seen: it blends, has holes, or transmits light without scattering
+// Whether objects behind a material are visible: it blends, has holes, or transmits light without scattering
 // it. A factor of 0 may be animated.
 bool is_see_through(const JsonCursor& material) {
   return (material.has("alphaMode") && material.at("alphaMode").text() != "OPAQUE") ||
          material.extension("KHR_materials_transmission").has_value();
 }
 
-// The transforms that EXT_mesh_gpu_instancing gives a node, the identity without.
+// The transforms that EXT_mesh_gpu_instancing gives a node; without it, the identity.
 std::vector<Eigen::Matrix4d> gpu_instances(const GltfFile& file, const JsonCursor& node) {
   const auto extension = node.extension("EXT_mesh_gpu_instancing");
   if (!extension) return {Eigen::Matrix4d::Identity()};
@@ -108,7 +109,7 @@ std::vector<Eigen::Matrix4d> gpu_instances(const GltfFile& file, const JsonCurso
 
 }  // namespace
 
-// Most files have no camera: one that sees all of a scene, from the front, above and to the right.
+// Most files have no camera: this one sees the whole scene, from the front, above and to the right.
 static io::NamedCamera camera_before(const Scene& scene) {
   Eigen::AlignedBox3d all;
   for (const SceneMeshInstance& i : scene.mesh_instances)
@@ -139,7 +140,7 @@ GltfScene scene_of_gltf(const std::string& path, const ReadOptions& options, boo
   for (const Primitive& p : io::read_gltf(file).primitives) {
     const JsonCursor place = root.at("meshes").at(p.mesh).at("primitives").at(p.primitive);
     SceneMaterial material;
-    // Of variants any may be shown.
+    // Any of the variants may be shown.
     for (const std::size_t index : io::materials_of(file, place)) {
       const JsonCursor stored = root.at("materials").at(index);
       material.double_sided =

@@ -18,7 +18,7 @@ namespace {
 
 using io::JsonCursor;
 
-// The meshes that a scene shows, through nodes that may be wrongly linked in circles.
+// The meshes that a scene shows, through nodes that may form invalid cycles.
 std::vector<bool> meshes_in_scenes(const GltfFile& file) {
   const JsonCursor root = file.root();
   std::vector<bool> shown(root.has("meshes") ? root.at("meshes").size() : 0, false);
@@ -135,7 +135,7 @@ class Planner {
     };
     for (const std::size_t material : io::materials_of(file_, primitive)) {
       const Readers& readers = readers_of(material);
-      // Anisotropy without TANGENT asks for the normal texture, whatever its scale.
+      // Anisotropy without TANGENT requires the normal texture, whatever its scale.
       const bool has_map = readers.normal_texcoord && has_set(*readers.normal_texcoord);
       for (const auto& [r, note] : readers.of_frame) {
         const bool derivable = r.is_normal_map ? has_set(r.texcoord) : has_map;
@@ -156,7 +156,7 @@ class Planner {
     return triangle_count(mode, accessor_count(file_.element("accessors", attributes.at("POSITION"))));
   }
 
-  // Bytes of the primitive's tangents, and its accessors for the totals.
+  // Counts the bytes of the primitive's tangents, and its accessors for the totals.
   void add_bytes(const JsonCursor& primitive, const JsonCursor& attributes, bool drawn_as_triangles,
                  PrimitiveNeed& result) {
     std::vector<std::size_t> tangents;
@@ -182,7 +182,7 @@ class Planner {
     for (const std::size_t accessor : tangents) result.tangent_bytes += bytes_of(accessor);
   }
 
-  // What of a material reads the frame, and the uv set of its normal texture.
+  // The properties of a material that read the frame, and the uv set of its normal texture.
   struct Reader {
     io::FrameReader reader;
     std::string note;
@@ -218,7 +218,7 @@ class Planner {
   io::SwitchedOff off_{};
   std::optional<FlatNormalMaps> flat_maps_{};
   std::vector<bool> shown_;
-  std::vector<std::optional<Readers>> readers_;  // of each material, once it is asked for
+  std::vector<std::optional<Readers>> readers_;  // of each material, once needed
   std::vector<Uses> uses_;                       // of each accessor
   TangentNeeds result_;
 };
@@ -250,7 +250,7 @@ void count_splits(const std::string& path, TangentNeeds& needs, const ReadOption
 
 std::vector<DroppedTangents> dropped_tangents(const TangentNeeds& before, const TangentNeeds& after) {
   using Key = std::tuple<std::string, std::string, std::size_t, std::size_t>;
-  // What makes two primitives the same, the surest first; nothing where it does not tell.
+  // Keys that match primitives before and after, the most reliable first; none where a key does not apply.
   using MakeKey = std::optional<Key> (*)(const PrimitiveNeed&);
   constexpr MakeKey keys[] = {[](const PrimitiveNeed& p) -> std::optional<Key> {
                                 if (p.name.empty()) return std::nullopt;
@@ -268,7 +268,7 @@ std::vector<DroppedTangents> dropped_tangents(const TangentNeeds& before, const 
                                 return Key{"", "", p.mesh, p.primitive};
                               },
                               [](const PrimitiveNeed&) -> std::optional<Key> { return Key{}; }};
-  // Of primitives that are alike those with the same need are the same one.
+  // Among primitives with equal keys, those with the same need are matched.
   enum { as_needed, as_lost, as_other, kinds };
   const auto kind = [](const PrimitiveNeed& p) {
     if (p.need == TangentNeed::needed) return as_needed;

@@ -40,7 +40,7 @@ Place place_of(const Mesh& mesh, std::uint32_t v) {
   return {bits(p.x), bits(p.y), bits(p.z), bits(n.x), bits(n.y), bits(n.z)};
 }
 
-// Some triangles of a mesh, with the vertices that they use, added to another.
+// Some triangles of a mesh with their vertices, to be appended to another mesh.
 class Excerpt {
  public:
   Excerpt(const Mesh& from, Mesh& to) : from_(from), to_(to) {
@@ -100,7 +100,7 @@ class Group {
       const std::vector<Triangle>& triangles = mesh_of(i).triangles;
       std::map<std::uint32_t, Excerpt> excerpts;
       for (std::size_t t = 0; t < triangles.size(); ++t) {
-        // Both halves of a quad: normals and tangents may be averages over quads.
+        // Both halves of a quad: normals and tangents may be averaged over quads.
         const bool quad = t + 1 < triangles.size() && quad_of(triangles[t], triangles[t + 1]);
         const auto face = std::span(triangles).subspan(t, quad ? 2 : 1);
         for (const std::uint32_t other : others_at(i, face)) {

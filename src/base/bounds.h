@@ -1,4 +1,4 @@
-// The box about points.
+// The bounding box of points.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// Numbers of things, for people.
+// Counts with their nouns, as text.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// Chooses some of many, spread evenly. A fixed stride could match the row length of a grid and see only one
-// column.
+// Chooses some of many, spread evenly. A fixed stride could coincide with the row length of a grid and sample
+// only one column.
 
 #pragma once
 
@@ -11,8 +11,8 @@
 
 namespace darboux {
 
-/// Indices below `of`, ascending: one at random from each of `count` stretches; all of them where there are
-/// no more than that.
+/// Indices below `of`, ascending: one at random from each of `count` intervals; all indices if there are no
+/// more than that.
 inline std::vector<std::ptrdiff_t> evenly_chosen(std::ptrdiff_t of, std::ptrdiff_t count,
                                                  std::mt19937_64& random) {
   count = std::min(of, count);
@@ -25,7 +25,7 @@ inline std::vector<std::ptrdiff_t> evenly_chosen(std::ptrdiff_t of, std::ptrdiff
   return chosen;
 }
 
-/// The same choice every time.
+/// The same choice on every call.
 inline std::vector<std::size_t> evenly_chosen(std::size_t of, std::size_t count) {
   std::vector<std::size_t> chosen;
   if (of <= count) {

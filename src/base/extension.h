@@ -1,4 +1,4 @@
-// What a name of a file says of its format.
+// The extension of a file name.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 
 namespace darboux {
 
-/// In lower case, with its dot: ".glb" of "a/Cube.GLB"; empty where there is none.
+/// In lower case, with its dot: ".glb" of "a/Cube.GLB"; empty if there is none.
 inline std::string extension_of(const std::filesystem::path& path) {
   return lower(path.extension().string());
 }

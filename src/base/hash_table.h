@@ -9,7 +9,7 @@
 
 namespace darboux {
 
-// An index stands at the slot that the upper bits of its hash name or, where that is taken, at the next free
+// An index is stored at the slot given by the upper bits of its hash or, if that is taken, at the next free
 // one.
 class HashTable {
  public:
@@ -22,7 +22,7 @@ class HashTable {
   }
   // Prefetches the slot of a hash that is needed soon: large tables do not fit into the caches.
   void prefetch(std::uint32_t hash) const { __builtin_prefetch(&slots_[hash >> shift_]); }
-  static constexpr std::size_t soon = 16;  // so many hashes later
+  static constexpr std::size_t soon = 16;  // number of hashes to look ahead
 
   void insert(std::uint32_t hash, std::uint32_t index) {
     if (4 * ++size_ > 3 * slots_.size() && shift_ > 0) {

@@ -1,4 +1,4 @@
-// Which instruction set a request runs on.
+// The instruction set on which a request runs.
 #pragma once
 
 #include <darboux/instruction_set.h>

@@ -8,7 +8,7 @@
 
 namespace darboux {
 
-// Of a symmetric matrix: eigenvalues in ascending order, and unit eigenvectors, a column each.
+// The eigenvalues of a symmetric matrix in ascending order, and unit eigenvectors, one per column.
 template <int N>
 struct SymmetricEigen {
   Eigen::Matrix<double, N, 1> values;
@@ -34,16 +34,16 @@ Eigen::Matrix<double, N, 1> solve_symmetric(const Eigen::Matrix<double, N, N>& a
                                             const Eigen::Matrix<double, N, 1>& b);
 Eigen::Matrix3d solve_symmetric(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
 
-// The x of least norm among those of least |a x - b|. \param threshold pivots below this share of the largest
-// count as zero; Eigen's own where there is none
+// The x of least norm among those that minimise |a x - b|. \param threshold pivots below this share of the
+// largest count as zero; Eigen's default if none is given
 Eigen::VectorXd solve_least_norm(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
                                  std::optional<double> threshold = std::nullopt);
 Eigen::MatrixXd solve_least_norm(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-// The x of least |a x - b|; nothing where the columns of a depend on each other.
+// The x that minimises |a x - b|; none if the columns of a are linearly dependent.
 std::optional<Eigen::MatrixXd> solve_least_squares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-// The solution of a x = b; nothing where a is singular.
+// The solution of a x = b; none if a is singular.
 std::optional<Eigen::Vector3d> solve_regular(const Eigen::Matrix3d& a, const Eigen::Vector3d& b);
 
 // a = u diag(values) v^T, values in descending order.
@@ -54,8 +54,8 @@ struct SingularValues {
 };
 SingularValues singular_value_decomposition(const Eigen::Matrix3d& a);
 
-// Whether this is a rotation R and a translation: |R^T R - 1| below the tolerance. Matrices come from files
-// and command lines, in five decimals at least.
+// Whether this is a rotation R and a translation: |R^T R - 1| is below the tolerance. Matrices come from
+// files and command lines, with at least five decimals.
 bool is_rigid(const Eigen::Isometry3d& placement, double tolerance = 1e-4);
 
 }  // namespace darboux

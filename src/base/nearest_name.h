@@ -1,4 +1,4 @@
-// What a name that is not known was meant to be.
+// Suggestions for an unknown name.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace darboux {
 
-/// How many letters have to be inserted, deleted, replaced or swapped with their neighbour to turn a into b.
-/// Case is ignored, and '_' equals '-'.
+/// The number of letters to insert, delete, replace or swap with a neighbour to turn a into b. Case is
+/// ignored, and '_' equals '-'.
 inline std::size_t name_distance(std::string_view a, std::string_view b) {
   const auto plain = [](char c) { return c == '_' ? '-' : c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
   const auto same = [&](std::size_t i, std::size_t j) { return plain(a[i]) == plain(b[j]); };
@@ -29,10 +29,10 @@ inline std::size_t name_distance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// " (did you mean torus?)" where known names are near, else nothing: one letter of four may differ, of a
-/// name or of one of its words ("klein" of klein-bottle).
+/// " (did you mean torus?)" if known names are similar, else empty: one letter in four may differ, of a name
+/// or of one of its words ("klein" of klein-bottle).
 inline std::string did_you_mean(std::string_view name, const std::vector<std::string>& known) {
-  constexpr std::size_t longest = 100;  // of a name that somebody types
+  constexpr std::size_t longest = 100;  // of a typed name
   if (name.empty() || name.size() > longest) return {};
   std::vector<std::string> nearest;
   std::size_t least = name.size() / 4 + 1;

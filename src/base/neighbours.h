@@ -14,9 +14,9 @@
 
 namespace darboux {
 
-/// A k-d tree over the finite ones of some points, whose indices are those of the span it is made from.
-/// Components within 1e-150 to 1e150 in magnitude. O(n log n) to build; a query takes O(k log k + log n) on
-/// points of a surface.
+/// A k-d tree over those points that are finite; indices are those of the span from which it is built.
+/// Components must be within 1e-150 to 1e150 in magnitude. O(n log n) to build; a query takes O(k log k + log
+/// n) on points of a surface.
 class Neighbours {
  public:
   explicit Neighbours(std::span<const Vec3<double>> points) {
@@ -42,7 +42,7 @@ class Neighbours {
     return found;
   }
 
-  // What nanoflann asks for.
+  // The interface that nanoflann requires.
   std::size_t kdtree_get_point_count() const { return points_.size(); }
   double kdtree_get_pt(std::size_t i, std::size_t axis) const { return (&points_[i].x)[axis]; }
   template <class Box>

@@ -16,14 +16,14 @@
 
 namespace darboux {
 
-/// Threads for an option in which 0 stands for all.
+/// The number of threads for an option in which 0 means all.
 inline std::size_t thread_count(int threads) {
   return static_cast<std::size_t>(threads == 0 ? tbb::info::default_concurrency() : threads);
 }
 
-/// f(k) for each k below n, a task each, in the caller's arena, whose workers stay awake from call to call.
-/// Isolated: a thread that waits takes no other task of the caller's, and a cancellation of the caller's
-/// tasks cancels none of these.
+/// Calls f(k) for each k below n, one task each, in the caller's arena, whose workers stay awake between
+/// calls. Isolated: a waiting thread takes no other task of the caller's, and cancelling the caller's tasks
+/// does not cancel these.
 template <class F>
 void parallel_tasks(std::size_t n, const F& f) {
   TaskOrder order;
@@ -39,14 +39,14 @@ void parallel_tasks(std::size_t n, const F& f) {
   });
 }
 
-/// How many ranges parallel_ranges() cuts [0, n) into: more than one from n = `least` on, and one more for
-/// each further `least`.
+/// The number of ranges into which parallel_ranges() divides [0, n): more than one from n = `least` on, and
+/// one more for each further `least`.
 constexpr std::size_t range_count(std::size_t n, std::size_t threads, std::size_t least = 1 << 15) {
   return threads <= 1 ? 1 : std::min(n / least + 1, 16 * threads);
 }
 
-/// f(begin, end) over ranges that cover [0, n), on so many threads: each takes the next range when it has
-/// finished one.
+/// Calls f(begin, end) over ranges that cover [0, n), on several threads: each takes the next range when it
+/// has finished one.
 template <class F>
 void parallel_ranges(std::size_t n, std::size_t threads, const F& f, std::size_t least = 1 << 15) {
   const std::size_t ranges = range_count(n, threads, least);

@@ -11,9 +11,9 @@
 
 namespace darboux {
 
-/// Calls work(i) for each i below n on `threads` threads (this one among them) and progress(share) after
-/// each, on this thread only. Results must not depend on the order. The first exception, of either, is thrown
-/// on when all have stopped.
+/// Calls work(i) for each i below n on `threads` threads (including this one), and progress(share) after
+/// each, on this thread only. Results must not depend on the order. The first exception, of either, is
+/// rethrown when all threads have stopped.
 template <class Work, class Progress>
 void parallel_for(std::size_t n, int threads, Work work, Progress progress) {
   std::atomic<std::size_t> next{0};
@@ -36,7 +36,7 @@ void parallel_for(std::size_t n, int threads, Work work, Progress progress) {
     for (std::size_t t = 1; t < static_cast<std::size_t>(threads) && t < n; ++t)
       pool.emplace_back(run, false);
   } catch (const std::exception&) {
-    // No thread or no memory for one: fewer threads than asked for do the same work.
+    // No thread, or no memory for one: fewer threads than requested do the same work.
   }
   run(true);
   pool.clear();  // waits for each

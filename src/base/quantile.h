@@ -14,13 +14,14 @@ inline double ranked(std::vector<double> values, std::size_t k) {
   return *at;
 }
 
-// The upper one of two in the middle.
+// The upper one if two are in the middle.
 inline double median(std::vector<double> values) {
   const std::size_t middle = values.size() / 2;
   return ranked(std::move(values), middle);
 }
 
-// Between the two ranks next to share (n - 1), in proportion: of 0.5 the mean of two in the middle.
+// Interpolates linearly between the two ranks next to share (n - 1): at 0.5 the mean of the two in the
+// middle.
 inline double quantile(std::vector<double> values, double share) {
   const double at = share * static_cast<double>(values.size() - 1);
   const auto below = static_cast<std::size_t>(at);

@@ -1,5 +1,5 @@
 /// \file rounds.h
-/// Times several ways of doing the same in turns, so that a drift of the clock meets all of them.
+/// Times several alternatives in alternating rounds, so that a drift of the clock affects all of them.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ inline double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// What an item that keeps its failure does with one; others let it pass on.
+/// Whether an item stores its failure; otherwise exceptions propagate.
 template <class Item>
 constexpr bool keeps_failures = requires(Item& item) {
   item.failure = std::string();
@@ -51,9 +51,9 @@ void guarded(Item& item, F f) {
 
 }  // namespace rounds
 
-/// Times all items one after the other, so many rounds. In a round each is called as often as fills half a
-/// millisecond, at most 200 times; an item whose call takes less than 10 ms is called once untimed directly
-/// before. An item has
+/// Times all items one after the other, for a number of rounds. In a round each is called often enough to
+/// fill half a millisecond, at most 200 times; an item whose call takes less than 10 ms is called once
+/// untimed directly before. An item has
 ///   run()                  what is timed
 ///   std::size_t points     in a call
 ///   std::vector<double> ns nanoseconds per point, one is added in each round

@@ -1,4 +1,4 @@
-// Whether this build is watched by the address or the thread sanitizer.
+// Whether the address or the thread sanitizer is enabled in this build.
 #pragma once
 
 // g++ defines macros, clang has features.

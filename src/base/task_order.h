@@ -1,5 +1,5 @@
-// Tells the thread sanitizer the ordering that a loop of tasks has: oneTBB, which enforces it, is compiled
-// without the sanitizer. In other builds it does nothing.
+// Tells the thread sanitizer the order that a loop of tasks guarantees: oneTBB, which enforces it, is
+// compiled without the sanitizer. Does nothing in other builds.
 #pragma once
 
 #include "sanitized.h"

@@ -1,4 +1,4 @@
-// Numbers as text, whatever the locale, and the other parts of messages.
+// Numbers as text, independent of the locale, and other parts of messages.
 #pragma once
 
 #include <array>
@@ -24,8 +24,7 @@ inline std::string rounded(double x, int digits) {
   return {buffer, std::to_chars(buffer, buffer + sizeof buffer, x, std::chars_format::general, digits).ptr};
 }
 
-/// A standard deviation of an angle in degrees, for people; of NaN, and of more than half a turn, nothing is
-/// known.
+/// A standard deviation of an angle in degrees, as text; NaN and more than half a turn are shown as unknown.
 inline std::string deviation_text(double x, int digits, const char* unit = "") {
   return x <= 180 ? rounded(x, digits) + unit : "an unknown angle";
 }
@@ -43,18 +42,18 @@ inline std::string joined(const std::vector<std::string>& names, std::string_vie
   return text;
 }
 
-/// With blanks behind it, to `width` bytes where it has fewer.
+/// Padded with blanks to `width` bytes.
 inline std::string padded(std::string text, std::size_t width) {
   if (text.size() < width) text.append(width - text.size(), ' ');
   return text;
 }
 
-/// How a message says what is wrong: "expected 0 < radius < inf, got -2".
+/// The form of error messages: "expected 0 < radius < inf, got -2".
 inline std::string expected_got(std::string_view expected, std::string_view got) {
   return "expected " + std::string(expected) + ", got " + std::string(got);
 }
 
-/// In lower case, ASCII alone.
+/// In lower case, ASCII only.
 inline std::string lower(std::string_view text) {
   std::string result(text);
   for (char& c : result)
@@ -62,20 +61,21 @@ inline std::string lower(std::string_view text) {
   return result;
 }
 
-/// Safe on one line of a terminal: UTF-8, where control characters, those that change the direction of text,
-/// and bytes that are no UTF-8 are escaped: \xFF.
+/// Safe on one line of a terminal: UTF-8 in which control characters, those that change the text direction,
+/// and invalid bytes are escaped: \xFF.
 std::string one_line(std::string_view text);
 
-/// At most `most` bytes, `most` >= 3, of UTF-8: of what is longer, "..." stands for the middle.
+/// At most `most` bytes, `most` >= 3, of UTF-8: in longer text "..." replaces the middle.
 std::string shortened(std::string text, std::size_t most);
 
-/// In bytes, of messages and of the names in them. With "darboux: " before it a message has at most 500.
+/// The maximum in bytes, of messages and of the names in them. With "darboux: " in front, a message has at
+/// most 500.
 inline constexpr std::size_t longest_message = 480, longest_name = 200;
 
-/// A name as messages begin with it: one line, shortened; "" where it is empty.
+/// A name at the beginning of a message: one line, shortened; "" if it is empty.
 std::string message_name(std::string_view name);
 
-/// "NAME: TEXT", and a text alone: one line, shortened, without blanks at its end.
+/// "NAME: TEXT", or TEXT alone: one line, shortened, without trailing blanks.
 std::string message_line(std::string_view name, std::string_view text);
 std::string message_line(std::string_view text);
 

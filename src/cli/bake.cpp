@@ -25,14 +25,14 @@ Json error_json(std::string_view name, const BakeError& error) {
           {"with_map_deg", statistics_json(error.with_map_deg)}};
 }
 
-// The surface where the mesh has it, and how far its vertices are from it at their uvs.
+// The surface as placed for the mesh, and the distance of its vertices from it at their uvs.
 struct Place {
   PlacedSurface surface;
   double rms_relative = 0;  // to the bounding box's diagonal
 };
 
-// As it is, where the mesh lies on it; else where fit_surface() puts it and as that reads the uvs. Its
-// parameters are not fitted. \throws FileError where the mesh is none of this surface
+// The surface as it is, if the mesh lies on it; else with the placement and uv convention that fit_surface()
+// finds. Its parameters are not fitted. \throws FileError if the mesh does not lie on this surface
 Place placed_on(const AnySurface& surface, std::span<const MapPiece> pieces, const std::string& file) {
   const PlacedSurface as_is{surface};
   const auto has_uvs = [](const MapPiece& piece) { return !piece.mesh.uvs.empty(); };

@@ -40,7 +40,7 @@ void print_table(const std::vector<Check>& checks, const char* verdict) {
   std::puts(verdict);
 }
 
-// A table for each route: surfaces by quantities, the worst error and its bound in roundings.
+// One table per route: surfaces by quantities, with the worst error and its bound in roundings.
 void print_markdown(const std::vector<Check>& checks) {
   std::vector<std::string_view> routes, surfaces;
   const auto note = [](std::vector<std::string_view>& list, std::string_view name) {

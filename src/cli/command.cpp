@@ -66,7 +66,7 @@ CLI::Validator finite_number(const std::string& expected, bool (*good)(double)) 
     try {
       if (good(parse_finite("", text))) return std::string();
     } catch (const ParameterError&) {
-      // Said below, with what is expected of this option.
+      // A message with what this option expects follows below.
     }
     return expected_got(expected, "'" + text + "'");
   };
@@ -82,7 +82,7 @@ void check_glb_name(const std::string& output) {
 
 std::string known_extension(const std::string& option, const std::string& output,
                             const std::vector<std::string>& extensions, const std::string& otherwise) {
-  // Beside those of meshes.
+  // Formats other than those of meshes.
   constexpr std::string_view formats[] = {".html",  ".htm",  ".md",    ".txt",  ".tex", ".csv", ".tsv",
                                           ".xlsx",  ".json", ".jsonl", ".xml",  ".npy", ".f32", ".f64",
                                           ".sarif", ".svg",  ".pdf",   ".ps",   ".eps", ".png", ".jpg",
@@ -170,7 +170,7 @@ Json spread_json(const Spread& spread) {
 
 namespace {
 
-// Pieces between those commas that a NAME= follows.
+// The pieces between commas, where only a comma before NAME= separates.
 std::vector<std::string> split_assignments(std::string_view text) {
   std::vector<std::string> parts;
   for (const std::string& piece : split(text, ',')) {

@@ -22,7 +22,7 @@ std::vector<NamedMesh> named(const Asset& asset) {
   return result;
 }
 
-// A pair of primitives as it is reported. Counts are of corners.
+// A pair of primitives as reported. Counts are of corners.
 struct Pair {
   const Primitive &a, &b;
   MeshComparison result;
@@ -172,7 +172,7 @@ void print_tangents(const Pair& pair) {
               << counted(r.no_direction, "corner") << '\n';
 }
 
-// Whether neither has tangents, and everything else is equal.
+// Whether neither has tangents and everything else is equal.
 bool compares_nothing(const Pair& pair) {
   const MeshComparison& r = pair.result;
   return !r.tangents_a && !r.tangents_b && r.matched == r.corners_a && r.matched == r.corners_b;

@@ -12,7 +12,7 @@
 namespace darboux {
 
 void read_configuration(CLI::App& sub, const std::string& path) {
-  // Not by get_option(), which allocates where it must not throw.
+  // Not get_option(): it allocates, and must not throw here.
   std::vector<std::string> known;
   std::vector<CLI::Option*> options;
   for (CLI::Option* option : sub.get_options()) {

@@ -15,9 +15,9 @@
 namespace darboux {
 namespace {
 
-// As given; what is not given comes from the study file or the preset.
+// The options as given; missing ones come from the study file or the preset.
 struct ConvergeArguments {
-  std::vector<std::string> named;  // surfaces as arguments, beside those of --surfaces
+  std::vector<std::string> named;  // surfaces as arguments, in addition to --surfaces
   std::optional<std::vector<std::string>> surfaces, methods, meshes;
   std::optional<std::string> resolutions, v_range;
   std::optional<std::uint64_t> seed;
@@ -26,7 +26,7 @@ struct ConvergeArguments {
   std::string picture;
 };
 
-// "torus:major_radius=1,minor_radius=0.4,sphere" or with ';' in between: a piece "name=value" belongs to the
+// Splits "torus:major_radius=1,minor_radius=0.4,sphere", also at ';': a piece "name=value" belongs to the
 // surface before it.
 std::vector<std::string> split_surfaces(const std::string& text) {
   std::vector<std::string> result;
@@ -44,7 +44,7 @@ std::vector<std::string> split_surfaces(const std::string& text) {
   return result;
 }
 
-// What is given wins over the study file, and that over the preset.
+// Options override the study file, which overrides the preset.
 ConvergeChoices choose(const ConvergeArguments& arguments) {
   const auto preset = preset_named(arguments.report.preset);
   if (!preset)
@@ -93,7 +93,7 @@ ConvergeOptions parse(const ConvergeArguments& arguments) {
   return options;
 }
 
-// The line that runs the same again, every choice spelt out.
+// The command line that repeats this run, with every choice spelt out.
 std::string command_line(const ConvergeOptions& options, const ConvergeArguments& arguments) {
   const auto list = [](const auto& items, auto text) {
     std::string result;
@@ -101,7 +101,7 @@ std::string command_line(const ConvergeOptions& options, const ConvergeArguments
     return result;
   };
   const auto name = [](const auto* item) { return item->name; };
-  // What lies between two semicolons may hold commas.
+  // Between two semicolons there may be commas.
   std::string surfaces;
   for (const AnySurface& surface : options.surfaces)
     surfaces += (surfaces.empty() ? "" : ";") + surface.specification();
@@ -113,14 +113,14 @@ std::string command_line(const ConvergeOptions& options, const ConvergeArguments
          command_line_of(arguments.report, {{"--picture", arguments.picture}});
 }
 
-// For a terminal: the orders unless a report has them, and what is not as expected.
+// For a terminal: the orders, unless a report has them, and what differs from expectation.
 std::string text_of(const std::vector<Study>& studies, bool with_orders,
                     const std::vector<int>& resolutions) {
   std::string text = (with_orders ? orders_text(studies) : std::string()) + verdict_summary(studies) + '\n';
   for (const std::string& line : unexpected(studies)) text += line + '\n';
   const bool slower = std::any_of(studies.begin(), studies.end(),
                                   [](const Study& s) { return s.verdict == OrderVerdict::slower; });
-  // Twice as fine, and from the third finest on: an order is one of fine meshes.
+  // From the third finest mesh to one twice as fine as the finest: an order holds on fine meshes.
   if (const int first = resolutions.back() / 4; slower && first >= 2 && 8 * first <= finest_rows)
     text += "hint: finer meshes may show the expected order: --resolutions " + std::to_string(first) + ".." +
             std::to_string(8 * first) + '\n';

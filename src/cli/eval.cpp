@@ -14,7 +14,7 @@
 namespace darboux {
 namespace {
 
-// Points evaluated at once by a thread, and altogether: their results stay in the caches, and memory stays
+// Points evaluated at a time, per thread and in total: their results stay in the caches, and memory use is
 // bounded.
 constexpr std::size_t points_per_thread = 4096, most_points = 65536;
 
@@ -37,7 +37,7 @@ std::vector<const EvalAttribute*> choose(const std::string& names, FrameFormat f
   const std::vector<std::string> known = attribute_names();
   std::vector<std::string> asked = split(names, ',');
   if (names.empty()) {
-    // CSV and bare numbers: the attributes of batches alone, so that adding others to eval changes no
+    // CSV and binary numbers: only the attributes of batches, so that adding others to eval changes no
     // columns.
     asked.assign(known.begin(),
                  known.begin() + (format == FrameFormat::json ? known.size() : attribute_count));
@@ -68,7 +68,7 @@ std::vector<Vec2<double>> parse_points(const std::vector<std::string>& texts) {
   return points;
 }
 
-// A grid by as many of its rows at once as there is room for, or where a row is too long by pieces of it.
+// Writes a grid, as many rows at a time as there is room for, or in pieces of a row if a row is too long.
 void write_grid(FrameWriter& writer, std::size_t columns, std::size_t rows, std::size_t room,
                 Progress& progress) {
   if (const std::size_t together = room / (columns + 1); together > 0) {
@@ -92,7 +92,7 @@ void write_grid(FrameWriter& writer, std::size_t columns, std::size_t rows, std:
   blocks.pass_on();
 }
 
-// As --format says, else by the extension of -o, else a table.
+// By --format, else by the extension of -o, else a table.
 FrameFormat format_of(const EvalArguments& arguments, const Common& common) {
   const std::string format = common.json ? "json" : arguments.format;
   if (common.json && !arguments.format.empty() && arguments.format != "json")

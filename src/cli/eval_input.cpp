@@ -77,7 +77,7 @@ class CsvInput final : public PointInput {
 
 // ---- json -------------------------------------------------------------------------------------------------
 
-// Hears a document and passes the u and v of each sample on. Only where it is in the document is remembered.
+// A SAX listener that passes on the u and v of each sample. It remembers only its position in the document.
 class SampleListener final : public nlohmann::json_sax<Json> {
  public:
   SampleListener(const io::InputBytes& bytes, PointBlocks& points) : bytes_(bytes), points_(points) {}
@@ -155,7 +155,7 @@ class SampleListener final : public nlohmann::json_sax<Json> {
     wanted_ = nullptr;
     return true;
   }
-  // A value that is not u or v of a sample, and must not stand for one.
+  // A value that is not u or v of a sample, and must not be taken for one.
   bool other() const {
     if (at_sample()) fail("what is no object");
     if (in_sample() && wanted_ != nullptr) fail("a u or v that is no number");
@@ -164,7 +164,7 @@ class SampleListener final : public nlohmann::json_sax<Json> {
 
   const io::InputBytes& bytes_;
   PointBlocks& points_;
-  std::size_t depth_ = 0, samples_depth_ = 0;  // of what is open: all, the array of samples
+  std::size_t depth_ = 0, samples_depth_ = 0;  // of open levels: all, up to the array of samples
   bool in_object_ = false, samples_next_ = false, found_ = false;
   std::optional<double>* wanted_ = nullptr;
   std::optional<double> u_, v_;
@@ -191,7 +191,8 @@ class JsonInput final : public PointInput {
 
 // ---- pairs of numbers -------------------------------------------------------------------------------------
 
-// The little that a .npy header may say: a dictionary of strings, booleans and tuples of whole numbers.
+// The subset of Python literals in a .npy header: a dictionary of strings, booleans and tuples of whole
+// numbers.
 class NpyHeader {
  public:
   std::string descr;

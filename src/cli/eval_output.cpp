@@ -23,8 +23,8 @@ std::size_t components(const std::vector<const EvalAttribute*>& attributes) {
   return sum;
 }
 
-// What batches do not give, each to its place in the first point's numbers; points lie `stride` numbers
-// apart.
+// The attributes that batches do not have, each at its place in the first point's numbers; points are
+// `stride` numbers apart.
 struct PointByPoint {
   const EvalAttribute* attribute;
   double* to;
@@ -48,8 +48,7 @@ void compute(const AnySurface& surface, const Points<double>& points, const std:
 
 // ---- bare numbers -----------------------------------------------------------------------------------------
 
-// Evaluated in double whatever they are stored as, so that what is written is the value at the u, v and
-// parameters that were given.
+// Evaluated in double whatever the output type, so that the result belongs to the u, v and parameters given.
 template <class T>
 class BinaryWriter final : public FrameWriter {
  public:
@@ -115,7 +114,7 @@ class BinaryWriter final : public FrameWriter {
 
 // ---- text -------------------------------------------------------------------------------------------------
 
-// table, json or csv. The status is that of sample(): all partials are evaluated for it, asked for or not.
+// table, json or csv. The status is that of sample(), for which all partials are evaluated, requested or not.
 class TextWriter final : public FrameWriter {
  public:
   TextWriter(OutputFile& file, const AnySurface& surface, const FrameWriterOptions& options)
@@ -169,7 +168,7 @@ class TextWriter final : public FrameWriter {
     return static_cast<std::size_t>(&a - eval_attributes().data());
   }
 
-  // Pieces of a block are put into words at once, each by one thread, and written in their order.
+  // Pieces of a block are formatted in parallel, one thread each, and written in order.
   void write(const Points<double>& points) {
     surface_.evaluate(points, outputs_, evaluate_);
     compute(surface_, points, point_by_point_, threads_);

@@ -17,16 +17,15 @@
 namespace darboux {
 namespace {
 
-// A standard stream that is closed would give its number, and what is printed, to the next file that is
-// opened. Here the stream gets a descriptor that can be neither read nor written, so that using it is an
-// error.
+// If a standard stream is closed, the next file opened gets its descriptor, and so what is printed. Here the
+// stream gets a descriptor that can be neither read nor written, so that using it is an error.
 void open_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
     if (::fcntl(stream, F_GETFD) < 0 && ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY) < 0)
       std::abort();
 }
 
-// An empty value is a variable of a script that is not set; it is no choice, and no file.
+// An empty value comes from an unset variable in a script; it names neither a choice nor a file.
 void refuse_empty_values(CLI::App& app) {
   const auto check = [](const std::string& text) {
     return text.empty() ? expected_got("a value", "an empty one") : std::string();
@@ -36,7 +35,7 @@ void refuse_empty_values(CLI::App& app) {
       if (!option->get_positional() && option->get_items_expected_max() > 0) option->check(check);
 }
 
-// What the parser left over, in the order it was typed, and what options among it were meant to be.
+// The arguments that the parser left over, in order, and what misspelt options among them may mean.
 std::string unexpected(const CLI::App& sub) {
   std::string got;
   std::vector<std::string> known;
@@ -56,7 +55,7 @@ std::string unexpected(const CLI::App& sub) {
   return expected_got("options and arguments of " + sub.get_name(), got);
 }
 
-// What the parser says of an option, as expected and got.
+// The parser's message about an option, in the form "expected, got".
 std::string in_own_words(const CLI::App* sub, const std::string& text) {
   // The text before and after a mark.
   const auto split = [&](std::string_view mark, std::size_t from = 0) {

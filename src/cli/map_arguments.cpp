@@ -37,7 +37,7 @@ ChosenPrimitives primitive_arguments(const std::vector<std::string>& texts) {
 struct Count {
   const char* key;
   std::size_t NormalMapResult::*count;
-  const char* text;  // for people; null where it is told elsewhere
+  const char* text;  // for people; null if printed elsewhere
 };
 constexpr Count texel_counts[] = {
     {"covered", &NormalMapResult::covered, nullptr},
@@ -124,7 +124,7 @@ Image read_map(const MapSource& source, bool drop_colour_tags, bool signed_float
   Image map = read_image(source.name, source.bytes,
                          {.drop_colour_tags = drop_colour_tags, .max_memory = common.read.max_memory});
   if (map.type() != SampleType::f32 || signed_floats) return map;
-  // A unit vector's codes of 8 bits are off by 1/255 each at most: numbers from -1 - √3/255 on.
+  // 8-bit codes of a unit vector are off by at most 1/255 each, so its numbers are at least -1 - √3/255.
   constexpr float least = -0.0034f;
   const auto& samples = std::get<2>(map.samples);
   float lowest = 0;

@@ -38,8 +38,8 @@ inline constexpr Choice<SampleType, 3> map_depths{{"8", "16", "float"}};
 /// Adds the common options; --basis differs between the two commands.
 void add_map_options(CLI::App& sub, MapArguments& arguments);
 
-/// \param primitives as --primitive, null where that chooses nothing of this file
-/// \throws as map_source() does; ParameterError for what is no primitive
+/// \param primitives as --primitive; null if that option selects nothing of this file \throws as
+/// map_source(); ParameterError for an invalid primitive
 MapSource map_source(const std::string& path, const std::vector<std::string>* primitives,
                      const Common& common);
 
@@ -88,7 +88,7 @@ class MapOutputs {
   explicit MapOutputs(const std::string& output, const std::string& report = "");
   /// The map unless there is none(), then the picture of its states, `width` by `height`. \throws FileError
   void write(const NormalMapResult& result, int width, int height);
-  /// Whether the result has no map: of conflicts, or where the mesh covers nothing.
+  /// Whether there is no map, because of conflicts or because the mesh covers nothing.
   static bool none(const NormalMapResult& result) { return result.conflicts != 0 || result.covered == 0; }
 
  private:

@@ -31,7 +31,7 @@ Vec3<double> parse_scale(const std::string& text) {
           parse_finite("--scale", parts[2])};
 }
 
-// What the strings mean.
+// Parses the strings.
 SampleMeshOptions parse(const MeshArguments& arguments) {
   SampleMeshOptions o = arguments.options;
   o.topology = topologies.of(arguments.topology);
@@ -63,14 +63,14 @@ SampleMeshOptions parse(const MeshArguments& arguments) {
   return o;
 }
 
-// The library's errors name the option, here with the dashes that it was typed with.
+// The library's errors name the option; this adds the dashes.
 Mesh make(const AnySurface& surface, const SampleMeshOptions& o, std::size_t& dropped_cells) try {
   return sample_mesh(surface, o, &dropped_cells);
 } catch (const ParameterError& error) {
   throw std::invalid_argument(std::string("--") + error.what());
 }
 
-// As the file holds them: floats.
+// Whether any triangle has area once positions are rounded to floats, as in the file.
 bool any_area(const Mesh& mesh) {
   const auto stored = [&](std::uint32_t v) {
     const Vec3<double>& p = mesh.positions[v];

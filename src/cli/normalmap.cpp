@@ -96,13 +96,13 @@ NormalMapOptions options_of(const NormalMapArguments& a, const Common& common) {
   return options;
 }
 
-// A glTF as INPUT is the mesh too, unless another is named.
+// A glTF as INPUT is also the mesh, unless --mesh names another.
 bool is_whole_asset(const NormalMapArguments& a) {
   return !a.input.empty() && a.mesh.empty() && a.surface.empty() && io::is_gltf(a.input);
 }
 
-// The map, and the primitives that it belongs to where it comes with the mesh; none: those of --primitive.
-// No output is the image that INPUT names.
+// The map, and the primitives that it belongs to if it comes with the mesh; otherwise those of --primitive.
+// No output may be the image that INPUT names.
 MapSource map_source(const NormalMapArguments& a, const std::vector<MapFile>& written, const Common& common) {
   std::error_code none;
   const bool same_file = std::filesystem::equivalent(a.input, a.mesh, none);
@@ -181,7 +181,7 @@ void run_render(const NormalMapArguments& a, Common& common) {
     std::cout << a.render << '\n';
 }
 
-// Options of one of the four ways, beside another.
+// Refuses options that belong to another of the four modes.
 void check_ways(const CLI::App& sub, const std::vector<const char*>& others, const char* way) {
   for (const CLI::Option* option : sub.get_options())
     for (const char* name : others)

@@ -1,4 +1,4 @@
-// `darboux plan`: which primitives of glTF files need a tangent frame, and which carry one.
+// `darboux plan`: which primitives of glTF files need a tangent frame, and which store one.
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -160,7 +160,7 @@ Json sarif_of(const std::vector<PlannedFile>& files) {
   return sarif_log(std::move(rules), std::move(results));
 }
 
-// "3 primitives need TANGENT: 2 with it, 1 without; 4 carry it for nothing (12 kB of 80 kB of geometry)"
+// "3 primitives need TANGENT: 2 with it, 1 without; 4 store it unused (12 kB of 80 kB of geometry)"
 std::string summary(const NeedTotals& t) {
   const std::size_t all = t.needed + t.missing;
   std::string text = all == 0 ? "no primitive needs TANGENT"
@@ -168,12 +168,12 @@ std::string summary(const NeedTotals& t) {
                                     " TANGENT: " + std::to_string(t.needed) + " with it, " +
                                     std::to_string(t.missing) + " without";
   if (t.idle > 0)
-    text += "; " + counted(t.idle, "carries", "carry") + " it for nothing (" + bytes_text(t.idle_bytes) +
-            " of " + bytes_text(t.geometry_bytes) + " of geometry)";
+    text += "; " + counted(t.idle, "stores", "store") + " it unused (" + bytes_text(t.idle_bytes) + " of " +
+            bytes_text(t.geometry_bytes) + " of geometry)";
   return text;
 }
 
-// With --quiet: a line for each.
+// With --quiet: one line per file.
 void print_verdicts(const std::vector<PlannedFile>& files) {
   for (const PlannedFile& file : files)
     if (file.error.empty())
@@ -255,7 +255,7 @@ void plan(PlannedFile& file, const PlanArguments& arguments, const std::optional
     if (before) file.dropped = dropped_tangents(*before, file.needs);
     if (arguments.splits) count_splits(file.path, file.needs, read);
   } catch (const std::exception&) {
-    file.error = error_of(file.path);  // what was planned before the geometry could not be read stays
+    file.error = error_of(file.path);  // the plan made before the geometry failed is kept
   }
   file.ok = file.error.empty() && file.dropped.empty() &&
             std::none_of(file.needs.primitives.begin(), file.needs.primitives.end(), [&](const auto& p) {
@@ -264,7 +264,7 @@ void plan(PlannedFile& file, const PlanArguments& arguments, const std::optional
 }
 
 void run(const PlanArguments& arguments, Common& common) {
-  if (arguments.files.empty()) throw ParameterError("plan", "needs FILES or folders to read");
+  if (arguments.files.empty()) throw ParameterError("plan", expected_got("FILES or folders to read", "none"));
   if (is_standard_output(arguments.sarif))
     throw ParameterError("--sarif", expected_got("the name of a file", "-: standard output is taken"));
   known_extension("--sarif", arguments.sarif, {".sarif", ".json"});

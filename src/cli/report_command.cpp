@@ -126,7 +126,7 @@ Json surfaces_identity(const std::vector<AnySurface>& surfaces) {
 
 namespace {
 
-// The format of -o: as --format says, else by the file's extension, else a page. \throws ParameterError
+// The format of -o: by --format, else by the extension, else html. \throws ParameterError
 std::string format_of(const ReportArguments& arguments) {
   if (!arguments.format.empty()) return arguments.format;
   std::vector<std::string> extensions{".htm"};
@@ -169,13 +169,13 @@ void check(const ReportArguments& arguments, const OtherOutput& other, const Com
                          "expected --results alone, got a page, CSV or picture: merge the shards first");
 }
 
-// As results files and JSON documents hold it.
+// As in results files and JSON documents.
 Json provenance_json(const Provenance& origin, int threads) {
   return {{"command", origin.command}, {"version", origin.version}, {"compiler", origin.compiler},
           {"machine", origin.machine}, {"date", origin.date},       {"threads", threads}};
 }
 
-// What a command says that has done one shard.
+// Prints the summary of a command that has run one shard.
 void print_shard(const ReportArguments& arguments, std::size_t jobs, const Common& common) {
   if (common.json)
     return print_json({{"shard", arguments.shard}, {"jobs", jobs}, {"results", arguments.results}});
@@ -226,7 +226,7 @@ void run_report(const ReportArguments& to, const ReportStudy& study, Common& com
       outputs[i].open->commit();
     }
   if (common.json) return print_json(document);
-  // What is on standard output stands alone there.
+  // Nothing else is printed if an output goes to standard output.
   if (std::any_of(outputs.begin(), outputs.end(), [](const Output& o) { return is_standard_output(o.file); }))
     return;
   if (common.quiet) return void(std::puts(report.summary.c_str()));

@@ -39,7 +39,7 @@ Json sarif_rule(const FindingKind& kind) {
             {"fullDescription", {{"text", with_to_do(std::string(kind.message), kind.to_do)}}},
             {"help", {{"text", kind.to_do}}},
             {"defaultConfiguration", {{"level", sarif_level(kind.severity)}}}};
-  // The path of an installed page says nothing where the report is read.
+  // The path of a locally installed page is useless where the report is read.
   constexpr std::string_view docs = DARBOUX_DOCS_URL;
   if (docs.starts_with("http://") || docs.starts_with("https://"))
     rule["helpUri"] = std::string(docs) + "/findings.md#" + lower(std::string(kind.code));
@@ -48,11 +48,11 @@ Json sarif_rule(const FindingKind& kind) {
 
 Json sarif_result(const std::string& path, std::string_view code, Severity severity, Severity own,
                   const std::string& message, const std::string& place) {
-  // Code scanning shows nothing without a line; the files have none that mean anything.
+  // Code scanning needs a line to show a result; in these files no line is meaningful.
   Json location{
       {"physicalLocation", {{"artifactLocation", {{"uri", uri_of(path)}}}, {"region", {{"startLine", 1}}}}}};
   if (!place.empty()) location["logicalLocations"] = Json::array({{{"fullyQualifiedName", place}}});
-  // What stays the same when counts and options change.
+  // Independent of counts and options.
   const std::string fingerprint = std::string(code) + '/' + place + '/' + std::string(sarif_level(own));
   return {{"ruleId", code},
           {"level", sarif_level(severity)},

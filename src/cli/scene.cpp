@@ -1,4 +1,4 @@
-// `darboux scene`: what one camera of a scene needs, evaluated; what was skipped.
+// `darboux scene`: evaluates what one camera of a scene needs, and reports what was skipped.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -29,7 +29,7 @@ namespace {
 struct SceneArguments {
   std::string file, chord, angle, output, render, render_skipped;
   std::uint64_t camera = 0;
-  std::optional<std::uint64_t> path;  // so many cameras
+  std::optional<std::uint64_t> path;  // number of cameras
   bool no_skip = false, no_cull = false;
 };
 
@@ -39,18 +39,19 @@ struct SkipReason {
   const char* text;
 };
 constexpr std::array<SkipReason, 6> skip_reasons{
-    {{"no_normal_map", &SkippedTiles::no_normal_map, "of materials that read nothing of what was asked for"},
+    {{"no_normal_map", &SkippedTiles::no_normal_map,
+      "of materials that read none of the requested attributes"},
      {"outside_frustum", &SkippedTiles::outside_frustum, "outside the view of the camera"},
      {"back_facing", &SkippedTiles::back_facing, "facing away from the camera"},
      {"occluded", &SkippedTiles::occluded, "hidden behind others"},
-     {"below_error", &SkippedTiles::below_error, "finer than the bounds ask for: a larger tile does"},
+     {"below_error", &SkippedTiles::below_error, "finer than the bounds require: a coarser tile is enough"},
      {"duplicates", &SkippedTiles::duplicates, "computed already for another instance"}}};
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// Evaluates all patches of a plan. \returns the seconds that this took, without those of f(samples)
+// Evaluates all patches of a plan. \returns the seconds that this took, excluding those of f(samples)
 template <class F>
 double evaluate_patches(const Scene& scene, const ScenePlan& plan, Progress& progress, F&& f) {
   TileEvaluator evaluator(scene, plan);
@@ -85,7 +86,7 @@ void set_angle(const std::string& text, SceneRequest& request) {
   request.frame_angle_rad = angle * (std::numbers::pi / 180);
 }
 
-// An eye within a closed surface, or on it, sees nothing of what is around. \returns what is wrong
+// From an eye inside or on a closed surface nothing around is visible. \returns what is wrong
 std::optional<std::string> refused_eye(const Scene& scene, const Camera& camera) {
   if (camera.projection != Camera::Projection::perspective) return std::nullopt;
   static const std::set<std::string_view> closed{"sphere", "ellipsoid", "torus", "superellipsoid"};
@@ -95,7 +96,7 @@ std::optional<std::string> refused_eye(const Scene& scene, const Camera& camera)
     if (!closed.contains(surface.info().name)) continue;
     const Eigen::Vector3d local = instance.placement.inverse() * camera.pose.translation();
     const std::optional<double> side = surface.implicit(from_eigen(local));
-    // What transforming the eye leaves is no distance.
+    // Below the rounding error of the transformed eye, a distance is zero.
     const double rounding = 0x1p-40 * local.norm();
     const bool inside = side && *side < -rounding;
     if (!side || *side > rounding || (inside && scene.materials[instance.material].double_sided)) continue;
@@ -117,7 +118,7 @@ TileKeys keys_of(const ScenePlan& plan) {
   return keys;
 }
 
-// All tiles at the resolution of the plan, from outside, coloured by what became of them.
+// All tiles at the resolution of the plan, seen from outside, coloured by why they were skipped.
 Picture picture_of_fates(const Scene& scene, const Camera& camera, SceneRequest request,
                          const Common& common) {
   request.attributes = Attribute::position | Attribute::normal;
@@ -151,13 +152,13 @@ Picture picture_of_fates(const Scene& scene, const Camera& camera, SceneRequest 
   return rasteriser.picture();
 }
 
-// One camera of a path: what it needs, and what of it the last one had not.
+// One camera of a path: what it needs, and how much of that the previous camera did not have.
 struct PathCamera {
   std::uint64_t instances, tiles, samples, samples_new;
   double plan_seconds;
 };
 
-// What a run found, for both kinds of output.
+// The results of a run, for both kinds of output.
 struct SceneReport {
   const SceneArguments& arguments;
   const io::NamedCamera& camera;
@@ -217,7 +218,7 @@ Json report_json(const SceneReport& r) {
 // "  1 000 tiles  12.5 %"
 std::string share_line(std::uint64_t part, std::uint64_t all, const std::string& text) {
   std::ostringstream line;
-  line.exceptions(std::ios::badbit);  // or what has no memory is left out
+  line.exceptions(std::ios::badbit);  // else output would be lost without memory
   line << "  " << std::setw(12) << part << std::setw(7) << std::fixed << std::setprecision(1)
        << (all > 0 ? 100 * static_cast<double>(part) / static_cast<double>(all) : 0) << " %  " << text
        << '\n';
@@ -242,13 +243,13 @@ void print_text(const SceneReport& r) {
       std::cout << share_line(count, plan.tiles_all, reason.text);
   if (plan.tiles_unbounded > 0)
     std::cout << plan.tiles_unbounded
-              << (std::isnan(r.needed_seconds) ? " of those needed move, and have no bounds\n"
+              << (std::isnan(r.needed_seconds) ? " of the needed tiles move, so they have no bounds\n"
                                                : " of those needed have no proven bounds: their resolution "
                                                  "is an estimate, or the finest there is\n");
-  const bool evaluated = !std::isnan(r.needed_seconds);  // else triangles that are there
+  const bool evaluated = !std::isnan(r.needed_seconds);  // false: existing triangles
   std::cout << "of " << plan.samples_full
-            << (evaluated ? " samples, if each instance were one grid as fine as its nearest point needs"
-                          : " vertices, each instance's counted")
+            << (evaluated ? " samples, if each instance were one grid as fine as its nearest point requires"
+                          : " vertices, counted once per instance")
             << '\n'
             << share_line(plan.samples_needed, plan.samples_full, "needed");
   for (std::size_t a = 0; a < attribute_count; ++a)
@@ -382,7 +383,7 @@ void run_path(const SceneArguments& arguments, const Scene& scene,
   print_report(report, common);
 }
 
-// The triangles of a glTF: planned by whole primitives, nothing is evaluated.
+// The triangles of a glTF: planned by whole primitives, without evaluation.
 void run_gltf(const SceneArguments& arguments, const Common& common) {
   const std::pair<const char*, bool> of_surfaces[] = {{"--chord", !arguments.chord.empty()},
                                                       {"--angle", !arguments.angle.empty()},
@@ -430,7 +431,7 @@ void run_surfaces(const SceneArguments& arguments, const Common& common) {
   if (const auto wrong = refused_eye(scene, camera.camera))
     throw FileError(arguments.file, "/cameras/" + std::to_string(arguments.camera) + "/eye: " + *wrong);
 
-  // Whatever cannot be written is refused before the work.
+  // An output that cannot be written is refused before the work.
   const auto opened = [](const std::string& name) {
     return name.empty() ? nullptr : std::make_unique<OutputFile>(name);
   };
@@ -488,7 +489,7 @@ void run_surfaces(const SceneArguments& arguments, const Common& common) {
 }
 
 void run(const SceneArguments& arguments, Common& common) {
-  // Other meshes too, which are refused there with what to do.
+  // Other mesh formats too: run_gltf() refuses them with a remedy.
   const std::string extension = extension_of(arguments.file);
   const auto meshes = asset_extensions();
   if (std::find(meshes.begin(), meshes.end(), extension) != meshes.end())
@@ -526,8 +527,8 @@ void add_scene(CLI::App& app, Common& common) {
                      "blue, out of view grey");
   CLI::Option* no_skip = sub.add_flag(
       "--no-skip", arguments->no_skip,
-      "also evaluate all instances in full, with all attributes, each as fine as its nearest point needs; "
-      "write and draw that");
+      "also evaluate every instance in full, with all attributes, as fine as its nearest point requires; "
+      "-o and --render use that");
   CLI::Option* no_cull =
       sub.add_flag(
              "--no-cull", arguments->no_cull,

@@ -14,7 +14,7 @@
 namespace darboux {
 namespace {
 
-// As given; what is not given comes from the study file or the preset.
+// The options as given; missing ones come from the study file or the preset.
 struct StabilityArguments {
   std::vector<std::string> surfaces, sweeps, routes;
   std::optional<int> points, samples;
@@ -22,7 +22,7 @@ struct StabilityArguments {
   ReportArguments report;
 };
 
-// What is given wins over the study file, and that over the preset.
+// Options override the study file, which overrides the preset.
 StabilityChoices choose(const StabilityArguments& arguments) {
   const auto preset = stability_preset(arguments.report.preset);
   if (!preset)
@@ -55,8 +55,8 @@ StabilityOptions parse(const StabilityArguments& arguments) {
   return options;
 }
 
-// Of the sweeps that are named, those that a surface does not have or no route answers, a line each.
-// \throws ParameterError where none of the surfaces has any
+// The requested sweeps that a surface does not have, or that no route computes, one line each. \throws
+// ParameterError if none of the surfaces has any
 std::string sweeps_left_out(const StabilityOptions& options, bool named) {
   const std::vector<StabilityJob> jobs = stability_jobs(options);
   if (jobs.empty()) {
@@ -85,7 +85,7 @@ std::string sweeps_left_out(const StabilityOptions& options, bool named) {
   return text;
 }
 
-// The line that runs the same again, every choice spelt out.
+// The command line that repeats this run, with every choice spelt out.
 std::string command_line(const StabilityOptions& options, const StabilityArguments& arguments) {
   std::string line = "darboux stability";
   for (const AnySurface& surface : options.surfaces) line += ' ' + shell_quoted(surface.specification());

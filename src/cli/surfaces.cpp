@@ -12,8 +12,8 @@
 namespace darboux {
 namespace {
 
-// The facts by their names in JSON, which are older than the member's: second_formula is position_again
-// there.
+// The facts by their names in JSON, which are older than those of the members: second_formula is
+// position_again there.
 std::vector<std::string_view> fact_names(const AnySurface& surface) {
   std::vector<std::string_view> names = surface.facts();
   std::replace(names.begin(), names.end(), std::string_view("second_formula"),
@@ -25,7 +25,7 @@ bool periodic(Coordinate kind) {
   return kind == Coordinate::turn || kind == Coordinate::twisted_turn;
 }
 
-// \param names none: all of the catalogue
+// \param names empty: the whole catalogue
 void list_surfaces(const std::vector<std::string>& names, const Common& common) {
   std::vector<AnySurface> surfaces;
   for (const std::string& name : names) surfaces.push_back(make_surface(SurfaceSpecification{name, {}}));

@@ -17,7 +17,7 @@ struct TangentsArguments {
 };
 
 const char* error_left(double order) {
-  // In half orders.
+  // In steps of half an order.
   constexpr const char* words[] = {
       "the same error",         "0.7 of the error",       "half the error",
       "0.35 of the error",      "a quarter of the error", "0.18 of the error",
@@ -164,7 +164,7 @@ void run_tangents(const TangentsArguments& arguments, Common& common) {
   }
   if (!common.quiet)
     for (const std::string& image : kept) std::cerr << message_line(arguments.input, image) << '\n';
-  // Tangents were asked for, and none could be made.
+  // Tangents were requested, and none could be made.
   const bool none = result.primitives.empty() && (!options.only_needed || result.incapable != 0);
   if (none) common.exit_status = 1;
   if (common.json) {

@@ -74,7 +74,7 @@ void list_findings(const Common& common) {
   if (common.json) print_json({{"findings", list}});
 }
 
-// Refuses codes that there are not.
+// Rejects unknown codes.
 Code parse_code(const std::string& option, const std::string& name) {
   if (const std::optional<Code> code = code_named(name)) return *code;
   throw ParameterError(option, "expected a code that --findings lists, got '" + name + "'");
@@ -99,7 +99,7 @@ Policy policy_of(const Arguments& arguments) {
   return policy;
 }
 
-// No output may replace a file that is assessed, or another output, or have the name of another format.
+// No output may overwrite an input or another output, or have an extension of another format.
 void check_outputs(const Arguments& arguments, const std::vector<AssessedFile>& files) {
   namespace fs = std::filesystem;
   std::vector<std::pair<std::string, std::string>> taken;
@@ -126,8 +126,8 @@ void run(const Arguments& arguments, Common& common) {
   if (arguments.findings) return list_findings(common);
   if (arguments.files.empty())
     throw ParameterError("validate",
-                         "needs FILES or folders to read, or --findings; FILES go before options that take "
-                         "several values, such as --ignore");
+                         "expected FILES or folders to read, or --findings, got neither; put FILES before "
+                         "options that take several values, such as --ignore");
   const Policy policy = policy_of(arguments);
   if (arguments.github && common.json)
     throw ParameterError("--github", "expected text on standard output, got --json, which takes it");
@@ -139,7 +139,7 @@ void run(const Arguments& arguments, Common& common) {
   if (!(arguments.max_angle > 0) || arguments.max_angle > 180)
     throw ParameterError("--max-angle", expected_got("0 < degrees <= 180", shortest(arguments.max_angle)));
   if (arguments.surface != "auto") {
-    // Refuses values out of range before any file is read.
+    // Rejects values out of range before any file is read.
     const AnySurface surface = surface_argument(arguments.surface);
     const auto& fitted = fitted_kinds();
     if (std::find(fitted.begin(), fitted.end(), surface.info().name) != fitted.end() &&
@@ -160,7 +160,7 @@ void run(const Arguments& arguments, Common& common) {
   const std::optional<MapCostOptions> map_cost = map_cost_options(arguments.normal_map, common.read);
   if (arguments.placement != "fit") options.placement = parse_placement(arguments.placement);
 
-  // What cannot be read or written is said before the work, not after it.
+  // Files that cannot be read or written are reported before the work, not after it.
   const bool with_baseline = !arguments.baseline.empty();
   const Json baseline = with_baseline ? read_baseline(arguments.baseline) : Json();
   std::optional<OutputFile> sarif_file, junit_file;

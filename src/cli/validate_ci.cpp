@@ -9,7 +9,7 @@
 namespace darboux {
 namespace {
 
-// Of a file, not of a mesh: no finding of the library.
+// Concerns a file, not a mesh, so it is not a finding of the library.
 constexpr FindingKind lost{"FILE_NOTHING_TO_JUDGE", Severity::error,
                            "the file passed in the baseline, and there is nothing to judge now",
                            "see what became of its triangles, normals and tangents; or renew the baseline"};
@@ -20,12 +20,12 @@ std::string sentence(const Primitive& primitive, const Assessment& assessment, c
                     f.to_do);
 }
 
-// Of a file as a whole: that it cannot be read, or holds nothing any more.
+// For a file as a whole: it cannot be read, or has nothing to judge any more.
 Json result_json(const AssessedFile& file, const FindingKind& kind, const std::string& message) {
   return sarif_result(file.path, kind.code, kind.severity, kind.severity, message, "");
 }
 
-// Text that XML 1.0 can hold, whatever a file put into it: control characters are escaped; U+FFFE and U+FFFF
+// Text that XML 1.0 permits, whatever a file contains: control characters are escaped; U+FFFE and U+FFFF
 // become U+FFFD.
 std::string xml_text(const std::string& text) {
   std::string result = one_line(text);
@@ -182,7 +182,7 @@ std::string junit(const std::vector<AssessedFile>& files, bool with_baseline) {
           else
             known += (known.empty() ? "as in the baseline: " : "; ") + junit_text(f);
         }
-        // The exit status counts it also where it is no error.
+        // The exit status counts it even if it is not an error.
         if (j.report.verdict == Verdict::undetermined && p.less_determined())
           fail(finding(Code::undetermined, 1));
         failures += failed;
@@ -194,7 +194,7 @@ std::string junit(const std::vector<AssessedFile>& files, bool with_baseline) {
     suite.append_attribute("skipped") = skipped;
   }
   std::ostringstream text;
-  text.exceptions(std::ios::badbit);  // or what has no memory is left out
+  text.exceptions(std::ios::badbit);  // else output would be lost without memory
   document.save(text, "  ", pugi::format_default, pugi::encoding_utf8);
   return text.str();
 }

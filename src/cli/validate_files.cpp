@@ -37,7 +37,7 @@ class Excluded {
       patterns_.push_back({given, glob});
     }
   }
-  // Whether a file or folder is left out; notes which patterns say so.
+  // Whether a file or folder is excluded; records which patterns match.
   bool operator()(const fs::path& relative) {
     bool any = false;
     const std::string text = relative.generic_string();
@@ -60,8 +60,8 @@ class Excluded {
   std::vector<Pattern> patterns_;
 };
 
-// The mesh files in a folder and in its folders; of a folder that cannot be listed the error. Returns whether
-// something was left out.
+// The mesh files in a folder and its subfolders; for a folder that cannot be listed, the error. Returns
+// whether anything was excluded.
 bool list_folder(const fs::path& folder, const fs::path& root, Excluded& excluded,
                  std::vector<AssessedFile>& found) {
   bool left_out = false;
@@ -101,7 +101,7 @@ void list_folder(const std::string& folder, Excluded& excluded, std::vector<Asse
   files.insert(files.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
 }
 
-// Node transforms change what a renderer shows, not what the mesh stores: they give rise to findings only.
+// Node transforms change what a renderer shows, not what the mesh stores, so they cause only findings.
 struct NodeFindings {
   std::size_t mirrored = 0, sheared = 0;
 
@@ -140,7 +140,7 @@ std::vector<Severity> apply(const Policy& policy, MeshReport& report,
     graded.push_back({std::move(f), own});
   };
   for (Finding& f : report.findings) grade(std::move(f));
-  // Errors that only a policy makes do not hide that nothing was assessed.
+  // Errors that exist only by policy must not hide that nothing was assessed.
   const auto is_own_error = [](const Graded& g) {
     return g.own == Severity::error && g.finding.severity == Severity::error;
   };
@@ -256,7 +256,7 @@ struct ByContent {
   }
 };
 
-// For each primitive the first of the same content. \param beside triangles_beside() them
+// For each primitive, the first one with the same content. \param beside triangles_beside() them
 std::vector<std::size_t> first_of(const std::vector<Primitive>& primitives, const std::vector<Mesh>& beside) {
   std::set<std::size_t, ByContent> kinds{ByContent{primitives, beside}};
   std::vector<std::size_t> result;
@@ -282,8 +282,8 @@ std::vector<Assessment> assess_primitive(const Primitive& primitive, const Mesh&
   return assess_parts(primitive.data, with_uvs);
 }
 
-// Where a primitive passes, others of its mesh that adjoin another and that nothing could judge do not leave
-// the mesh undetermined, as parts do not. \param beside triangles_beside() them
+// If a primitive passes, undetermined primitives of its mesh that adjoin another one do not make the mesh
+// undetermined; parts are treated alike. \param beside triangles_beside() them
 void close_what_is_left(std::vector<AssessedPrimitive>& primitives, const std::vector<Mesh>& beside) {
   std::set<std::size_t> passing;
   for (const AssessedPrimitive& p : primitives)
@@ -376,7 +376,7 @@ namespace {
 
 using io::JsonCursor;
 
-// The enumerator that a text names.
+// The enumerator with this name.
 template <class E, std::size_t N>
 E enumerator(const JsonCursor& name, const std::array<std::string_view, N>& names) {
   const auto found = std::find(names.begin(), names.end(), name.text());
@@ -388,7 +388,7 @@ Verdict verdict_of(const JsonCursor& entry) {
   return enumerator<Verdict>(entry.at("verdict"), verdict_names);
 }
 
-// What the baseline says of a mesh or part.
+// Adds what the baseline contains about a mesh or part.
 void add_known(AssessedPrimitive& p, const JsonCursor& mesh) {
   const Verdict verdict = verdict_of(mesh);
   p.known_not_pass += verdict > Verdict::pass;
@@ -404,7 +404,7 @@ void add_known(AssessedPrimitive& p, const JsonCursor& mesh) {
     p.known[{*code, own}] += count;
     says_undetermined |= *code == Code::undetermined;
   }
-  // Reports of earlier versions say it by the verdict alone.
+  // Reports of earlier versions have only the verdict for this.
   if (verdict == Verdict::undetermined && !says_undetermined)
     ++p.known[{Code::undetermined, Severity::warning}];
 }
@@ -430,7 +430,7 @@ void compare(AssessedFile& file, const JsonCursor& entry) {
     const auto p = by_number.find({mesh.at("mesh").integer(), mesh.at("primitive").integer()});
     if (p != by_number.end()) add_known(*p->second, mesh);
   }
-  // What fails has an error, which counts; what is undetermined has none.
+  // A file that fails has an error, which counts; an undetermined one has none.
   const bool left_out = std::any_of(file.skipped.begin(), file.skipped.end(),
                                     [](const SkippedPrimitive& s) { return s.reason == unneeded_reason; });
   file.lost = verdict_of(entry) == Verdict::pass && file.verdict == Verdict::nothing && !left_out;

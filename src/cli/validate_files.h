@@ -23,7 +23,7 @@ namespace darboux {
 /// Numbers of findings by code and original severity (the library's, before options change it).
 using FindingCounts = std::map<std::pair<Code, Severity>, std::size_t>;
 
-/// What a normal map would cost.
+/// The cost of a normal map.
 struct AssessedMapCost {
   std::optional<MapCost> cost{};
   std::string why{};  ///< why there is no result
@@ -34,7 +34,7 @@ struct AssessedPrimitive {
   std::vector<Assessment> assessments;
   /// The original severity of each finding of each assessment.
   std::vector<std::vector<Severity>> own_severities{};
-  std::vector<AssessedMapCost> map_costs{};  ///< of each assessment, where it was asked for
+  std::vector<AssessedMapCost> map_costs{};  ///< of each assessment, if requested
   FindingCounts known{};                     ///< in the baseline
   std::size_t known_not_pass = 0;            ///< meshes and parts that did not pass in the baseline
 

@@ -30,7 +30,7 @@ Json evidence_json(const std::optional<Evidence>& evidence) {
   return {{"log10_odds", number(evidence->log10_odds)}, {"rival", evidence->rival}, {"text", evidence->text}};
 }
 
-// The surface with its place and how well both are known.
+// The surface with its placement and the uncertainties of both.
 Json placed_surface_json(const MeshFit& fit) {
   Json surface = surface_json(fit.surface.surface);
   surface["placement"] = numbers({fit.surface.placement.data(), 16});
@@ -57,7 +57,7 @@ Json uv_json(const MeshFit& fit, int texcoord) {
   return uv;
 }
 
-// The references beside the surface.
+// The references other than the surface.
 Json references_json(const MeshReport& report) {
   Json references = Json::object();
   if (report.local) {

@@ -27,7 +27,7 @@ constexpr Stage stages[] = {{"triangle_deg", &MapCostStages::triangle_deg, "flat
                             {"codes8_deg", &MapCostStages::codes8_deg, "in 8 bits"}};
 constexpr std::size_t with_texels = 3;
 
-// Without the vertices that no triangle has.
+// Removes the vertices that no triangle uses.
 void drop_unused_vertices(Mesh& mesh) {
   constexpr auto none = std::numeric_limits<std::uint32_t>::max();
   Mesh kept;
@@ -51,7 +51,7 @@ void drop_unused_vertices(Mesh& mesh) {
   mesh = std::move(kept);
 }
 
-// The triangles of an assessment, with its tangents' signs as glTF has them.
+// The triangles of an assessment, with tangent signs in the glTF convention.
 MapPiece piece_of(const Primitive& primitive, const Assessment& assessment) {
   MapPiece piece{.mesh = primitive.data, .mesh_index = primitive.mesh, .primitive = primitive.primitive};
   if (!assessment.triangles.empty()) {
@@ -84,7 +84,7 @@ std::optional<MapCostOptions> map_cost_options(const std::string& size, const Re
     throw ParameterError(
         "--normal-map", expected_got("1 to 2^28 texels",
                                      std::to_string(options.width) + " x " + std::to_string(options.height)));
-  // Beside the last, of 8 bits: the maps of floats and of 16 bits, and the surface's normals.
+  // In addition to the final 8-bit map: the maps of floats and of 16 bits, and the surface's normals.
   constexpr std::uint64_t there = 3 * (2 * sizeof(float) + sizeof(std::uint16_t));
   check_map_memory("--normal-map", there * texels, texels, 3, SampleType::u8, read);
   return options;
@@ -98,7 +98,7 @@ AssessedMapCost map_cost_of(const Primitive& primitive, const Assessment& assess
       mesh.normals.empty())
     return none;
   const MapPiece piece = piece_of(primitive, assessment);
-  // Not where the tangents follow other uvs.
+  // Not if the tangents follow other uvs.
   if (!(rms_relative(assessment.fit->surface, std::span(&piece, 1)) <= corners_fit_below)) return none;
   try {
     return {.cost = normal_map_cost(assessment.fit->surface, piece, options)};

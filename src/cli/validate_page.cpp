@@ -116,7 +116,7 @@ std::string path_text(const std::string& path) {
   constexpr std::size_t most = 64;
   const std::string line = one_line(path);
   if (line.size() <= most) return text(line);
-  // Cuts between letters, not in one.
+  // Cut between characters, not within one.
   const auto is_inside = [&](std::size_t k) { return k < line.size() && (line[k] & 0xc0) == 0x80; };
   std::size_t begin = line.find('/', 1), end = line.size() - std::min(line.size(), most - 14);
   begin = begin == std::string::npos || begin > 12 ? 12 : begin + 1;
@@ -448,7 +448,7 @@ std::string entry(const Entry& e, bool one_file, bool open) {
 
 // ---- the page
 
-// Verdicts and codes to choose from, and what to sort by; the script shows these controls.
+// The filters by verdict and code, and the sort order; the script shows these controls.
 std::string controls(const std::vector<Entry>& entries, std::size_t unread) {
   std::string html = "<div hidden class=controls>\n";
   for (const Verdict v : {Verdict::fail, Verdict::undetermined, Verdict::pass, Verdict::nothing}) {
@@ -481,7 +481,7 @@ std::string controls(const std::vector<Entry>& entries, std::size_t unread) {
          "<span class=\"soft shown\" aria-live=polite></span></div>\n";
 }
 
-// What has no picture: files that were not read, and what was not assessed, a line for each reason.
+// Rows without a picture: files that could not be read, and what was not assessed, one line per reason.
 std::string unread_rows(const std::vector<AssessedFile>& files) {
   std::string html;
   for (const AssessedFile& file : files)
@@ -526,7 +526,7 @@ std::string validate_page(const std::vector<AssessedFile>& files, double max_ang
   const auto unread = static_cast<std::size_t>(
       std::count_if(files.begin(), files.end(), [](const AssessedFile& f) { return !f.readable(); }));
 
-  // Nothing but the one script runs, whatever a file or a name holds.
+  // Only the one script may run, whatever a file or a name contains.
   std::string page = "<!DOCTYPE html>\n<html lang=en class=both>\n<head>\n<meta charset=utf-8>\n" +
                      content_policy({validate_page_js_sha256}) +
                      "<meta name=viewport content=\"width=device-width, initial-scale=1\">\n<title>" +

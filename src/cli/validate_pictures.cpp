@@ -11,7 +11,7 @@
 namespace darboux {
 namespace {
 
-// What the colours of a mesh mean, for its extras.
+// The meaning of a mesh's colours, for its extras.
 std::string legend(const AssessedFile& file, std::size_t mesh, double max_angle_deg) {
   bool tangents = false, normals = false;
   for (const AssessedPrimitive& p : file.primitives)
@@ -50,7 +50,7 @@ void paint(const AssessedFile& file, double max_angle_deg, const std::string& pa
   document.save_glb(path);
 }
 
-// \throws what an output file there would throw
+// \throws whatever opening an output file there would throw
 void check_writable(const std::string& path) {
   const OutputFile opened_and_dropped{path};
 }

@@ -94,7 +94,7 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
   }
   std::fflush(stdout);
   if (has_uncertainty(report) && report.corners > 0) {
-    std::cout << "    truth uncertain by "
+    std::cout << "    uncertainty of the truth: "
               << deviation_text(report.normal_uncertainty_deg.rms(), 2, " deg rms") << " (normals)";
     if (has_tangent_angles(report))
       std::cout << ", " << deviation_text(report.tangent_uncertainty_deg.rms(), 2, " deg rms")
@@ -141,7 +141,8 @@ struct CodeTotal {
   std::vector<std::string> to_do{};  // each once
 };
 
-// Errors and warnings of the files, errors first. known counts the baseline's in primitives without any now.
+// Errors and warnings of the files, errors first. `known` counts those of the baseline in primitives that
+// have none now.
 std::vector<CodeTotal> totals_of(std::span<const AssessedFile> files) {
   struct Gathered {
     CodeTotal total;
@@ -203,7 +204,7 @@ std::string overview_with_codes(const AssessedFile& file) {
   return text;
 }
 
-// What was found in a file, without tables and notes.
+// Prints the findings of a file, without tables and notes.
 void print_summary(const AssessedFile& file, bool with_baseline) {
   const std::string first = overview(file);
   if (!first.empty()) std::cout << "  " << first << '\n';
@@ -241,7 +242,7 @@ std::string first_sentence(const AssessedFile& file) {
   return text.substr(0, std::min(text.find(". "), text.size()));
 }
 
-// Files that fail, are undetermined or cannot be read, a line each.
+// Files that fail, are undetermined or cannot be read, one line each.
 void print_bad(const std::vector<AssessedFile>& files, bool with_baseline) {
   const auto print = [&](const char* title, auto&& is_wanted, auto&& text) {
     bool first = true;
@@ -309,8 +310,8 @@ std::string verdict_text(const AssessedFile& file) {
   return std::string(name_of(file.verdict)) + (with_warnings ? ", with warnings" : "");
 }
 
-// New tangents mend errors of tangents (docs/findings.md) where normals and uvs are sound. Those of
-// MikkTSpace that are off would be written again.
+// New tangents fix errors of tangents (docs/findings.md) where normals and uvs are sound. Tangents that are
+// already MikkTSpace's, yet wrong, would only be written again.
 void print_command(const AssessedFile& file, const std::vector<CodeTotal>& totals) {
   const auto any = [&](auto&& is) {
     return std::any_of(totals.begin(), totals.end(), [&](const CodeTotal& t) { return is(*t.first); });

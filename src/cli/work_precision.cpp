@@ -17,7 +17,7 @@
 namespace darboux {
 namespace {
 
-// As given; what is not given comes from the study file or the preset.
+// The options as given; missing ones come from the study file or the preset.
 struct WorkArguments {
   std::vector<std::string> surfaces, methods, meshes, compare;
   std::optional<int> rounds, points, checked;
@@ -28,7 +28,7 @@ struct WorkArguments {
   ReportArguments report;
 };
 
-// What is given wins over the study file, and that over the preset.
+// Options override the study file, which overrides the preset.
 WorkChoices choose(const WorkArguments& arguments) {
   const auto preset = work_preset(arguments.report.preset);
   if (!preset)
@@ -51,7 +51,7 @@ WorkChoices choose(const WorkArguments& arguments) {
 WorkOptions parse(const WorkArguments& arguments) {
   const WorkChoices choices = choose(arguments);
   WorkOptions options;
-  // What is named twice is measured once.
+  // Duplicates are measured once.
   const auto once = [](auto& list, const auto& item, auto same) {
     if (std::none_of(list.begin(), list.end(), same)) list.push_back(item);
   };
@@ -86,7 +86,7 @@ WorkAxes axes_of(const WorkArguments& arguments) {
   return axes;
 }
 
-// The line that runs the same again, every choice spelt out.
+// The command line that repeats this run, with every choice spelt out.
 std::string command_line(const WorkOptions& options, const WorkArguments& arguments) {
   std::string line = "darboux work-precision";
   for (const AnySurface& surface : options.surfaces) line += ' ' + shell_quoted(surface.specification());
@@ -104,7 +104,7 @@ std::string command_line(const WorkOptions& options, const WorkArguments& argume
   return line + command_line_of(arguments.report, {{"--x", arguments.x}, {"--y", arguments.y}});
 }
 
-// Samples of the one run that the other lacks.
+// Samples of one run that the other lacks.
 std::size_t count_unmatched(const std::vector<WorkSample>& samples, const std::vector<WorkSample>& others) {
   return static_cast<std::size_t>(std::count_if(samples.begin(), samples.end(), [&](const WorkSample& s) {
     return std::none_of(others.begin(), others.end(),
@@ -139,9 +139,9 @@ void run_compare(const WorkArguments& arguments, Common& common) {
   for (const std::string& note : notes) std::printf("note: %s\n", one_line(note).c_str());
 }
 
-// --compare measures nothing: it refuses options that say how to measure or where to write.
+// --compare measures nothing, so it refuses options that say how to measure or where to write.
 void check_compare(const CLI::App& sub) {
-  // Not by get_option(), which allocates where it must not throw.
+  // Not get_option(): it allocates, and must not throw here.
   const std::vector<const CLI::Option*> options = sub.get_options();
   const auto is_given = [&](std::string_view name) {
     return std::any_of(options.begin(), options.end(), [&](const CLI::Option* option) {

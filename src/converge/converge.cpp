@@ -54,7 +54,7 @@ double degrees(double radians) {
   return radians * degrees_per_radian;
 }
 
-// Whether the triangles of the family are so ill-shaped that no order is expected.
+// Whether the triangles of the family are so badly shaped that no order is expected.
 bool promises_nothing(const MeshFamily& family, bool has_pole) {
   return family.jitter > 0.25 || family.topology == MeshTopology::lantern ||
          (has_pole && family.pole == PolePlacement::shared);
@@ -392,7 +392,7 @@ const MeshFamily& find_mesh_family(std::string_view name) {
     if (family.name == name) return family;
     known += (known.empty() ? "" : ", ") + std::string(family.name);
   }
-  throw ParameterError("meshes", "unknown family '" + std::string(name) + "', known are " + known);
+  throw ParameterError("meshes", expected_got("one of " + known, "'" + std::string(name) + "'"));
 }
 
 SampleMeshOptions mesh_options(const MeshFamily& family, int rows, std::uint64_t seed, double v_first,

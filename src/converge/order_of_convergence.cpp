@@ -62,7 +62,7 @@ struct Coefficient {
 
 using Term = std::function<double(const Point&)>;
 
-// Of log error = c0 + c1 log h [+ c2 term]: c_k.
+// The coefficient c_k of log error = c0 + c1 log h [+ c2 term].
 Coefficient fit(std::span<const Point> points, Eigen::Index k, const Term& term = {}) {
   const auto n = static_cast<Eigen::Index>(points.size());
   Eigen::MatrixXd design(n, term ? 3 : 2);

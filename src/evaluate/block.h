@@ -19,7 +19,7 @@ constexpr std::size_t block_room = block_points + batch_size<T> + group_size<T>;
 template <class T>
 constexpr std::size_t most_columns = 4096 / sizeof(T);
 
-// Rows of a grid that are shorter go through a kernel together, about so many of their points at once.
+// Shorter rows of a grid go through a kernel together, about this many of their points at a time.
 template <class T>
 constexpr std::size_t joined_rows_below = 2048 / sizeof(T);
 template <class T>

@@ -10,7 +10,7 @@
 namespace darboux {
 namespace {
 
-// A thread gets this many points at least.
+// The minimum number of points per thread.
 constexpr std::size_t least_per_thread = 2048;
 
 template <class T>

@@ -38,7 +38,7 @@ struct Layout {
   std::array<kernels::Run<T>, all_components> runs;
   std::size_t run_count = 0;
   std::array<Destination, all_components> destinations;
-  // Of each destination: the slot's component, or the run, whose first address it gives.
+  // For each destination: the slot's component, or the run, whose first address it gives.
   struct Use {
     bool run;
     std::uint8_t slot_or_run, component;
@@ -54,7 +54,7 @@ struct Layout {
     uses[count++] = use;
     bytes_a_point += bytes;
     without_gaps = without_gaps && stride == static_cast<std::ptrdiff_t>(bytes);
-    // What is left of the block before, the points of one block, and the last block's excess.
+    // The rest of the previous block, the points of one block, and the excess of the last block.
     stage_bytes += (line + bytes * (staged_points<T> + batch_size<T>)+line - 1) / line * line + line;
   }
 };

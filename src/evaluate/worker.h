@@ -272,7 +272,7 @@ class Worker {
   alignas(line) std::array<T, block_room<T>> raw_u_, raw_v_;
   alignas(line) std::array<T, group_size<T>> sine_v_, cosine_v_;
   alignas(line) std::array<T, most_columns<T> + batch_size<T>> columns_u_, sine_u_, cosine_u_;
-  // Of rows one after the other: sines and cosines of u and v, or instead of sines the values of linear ones.
+  // Joined rows: sines and cosines of u and v; for linear coordinates, values in place of sines.
   alignas(line) std::array<std::array<T, joined_points<T> + 2 * batch_size<T>>, 4> joined_;
 };
 

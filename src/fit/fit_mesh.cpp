@@ -17,7 +17,7 @@
 namespace darboux {
 namespace {
 
-// The number of vertices used before all of them: for a linear start, and to see whether a surface fits at
+// The number of vertices used before all of them: for a linear start, and to test whether a surface fits at
 // all.
 constexpr std::size_t start_points = 80, trial_points = 2048;
 
@@ -26,8 +26,8 @@ constexpr double hopeless = 0.2;
 // A start with a larger rms distance is not refined either: rounding would hide everything else.
 constexpr double too_far = 1e6;
 
-// If a fit to the few points is still this many times above the limit after so many steps, it is not refined
-// on more points: fits that succeed get there in fewer than eight steps.
+// If a fit to the few points is still this many times above the limit after first_steps, it is not refined on
+// more points: fits that succeed get there in fewer than eight steps.
 constexpr double hopeless_share = 30;
 constexpr int first_steps = 12;
 
@@ -122,7 +122,7 @@ Data usable_vertices(const Mesh& mesh, std::span<const signed char> signs) {
   const double of_positions =
       std::fmax(mesh.half_steps.position, 0x1p-24 / std::sqrt(3) * largest.stableNorm());
   data.rounding = room * of_positions / data.all.scale;
-  // Coarser uvs tell nothing about a surface.
+  // Coarser uvs give no information about a surface.
   const double of_uvs = std::fmin(moved_by_uvs(mesh, signs) / data.all.scale, 10 * fits_below);
   data.rounding_with_uvs = std::hypot(data.rounding, room * of_uvs);
   data.all.cloud.resize(3, static_cast<Eigen::Index>(usable.size()));
@@ -157,11 +157,11 @@ double rms(const UvModel& model, const UvState& state) {
   return rms(model.squares(state));
 }
 
-// What the caller wants, and the values that are held.
+// The caller's request, and the values that are held.
 struct Wanted {
   const UvKind& kind;
   std::vector<std::pair<std::string, double>> parameters{};  // held values
-  std::optional<AnySurface> exact{};                         // held but for its placement
+  std::optional<AnySurface> exact{};                         // all held except its placement
   std::optional<Eigen::Isometry3d> placement{};
   enum class Roundings { ignored, of_positions, of_all } roundings = Roundings::ignored;
   const Mesh* mesh = nullptr;  // its side decides if the surface is exact; nullptr: no side is required
@@ -267,7 +267,7 @@ std::optional<Trial> fit_from(const Data& data, UvStart start, const Wanted& wan
   if (!surface_of(data, start.model, start.state, wanted)) return std::nullopt;
   const double error = rms(start.model, start.state);
   if (!std::isfinite(error)) return std::nullopt;
-  // Within rounding there is nothing to converge to: a length may press against its bound.
+  // At the level of rounding nothing is left to converge to: a length may sit at its bound.
   bool fits = (solved.converged || error <= data.rounding_with_uvs) &&
               error <= wanted.limit(data, !start.model.free_affine.empty());
   if (fits && !determined(start.model, start.state)) {
@@ -313,7 +313,7 @@ double strangeness(const UvModel& model, const UvState& state) {
 }
 
 std::optional<Trial> try_affine(const Data& data, const Wanted& wanted) {
-  // Two points more are needed than any such surface goes through: nearly every quad lies on a Möbius strip.
+  // Two points more than any such surface can interpolate: nearly every quad lies on a Möbius strip.
   if (3 * data.all.count() < 6 + wanted.kind.parameters.size() + 6 + 6) return std::nullopt;
   std::optional<Trial> best;
   for (UvStart& start : affine_starts(wanted.kind, data.few, wanted.held(data.all.scale, data.all.centre),

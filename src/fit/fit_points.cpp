@@ -31,7 +31,7 @@ PointFit fit_positions(const PointCloud& points, const PointFitOptions& options)
   return fit_catalogue(points, options.surface, with_guess);
 }
 
-// At most so many of the points, evenly chosen.
+// At most this many of the points, evenly chosen.
 PointCloud some_of(const PointCloud& points, std::size_t most) {
   PointCloud some;
   for (const std::size_t i : evenly_chosen(points.positions.size(), most)) {
@@ -46,8 +46,8 @@ double share_of_inliers(const PointFit& fit) {
          static_cast<double>(std::max<std::size_t>(fit.inliers + fit.outliers, 1));
 }
 
-// Where the noise was given and cannot be that of the points: what they show. If the fit does not tell, the
-// noise of some of them is estimated.
+// A remark if the given noise cannot be that of the points, with the noise that they show. If the fit does
+// not show it, the noise of some of the points is estimated.
 std::string doubt_of_noise(const PointCloud& points, const PointFitOptions& options, const PointFit& fit) {
   constexpr double nearly_all = 0.9, more_noise = 1.5, far_less = 0.25, more_points = 1.1;
   constexpr std::size_t enough = 20, some = 2000;

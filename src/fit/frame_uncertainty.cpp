@@ -120,7 +120,7 @@ struct Point {
   Chart chart() const { return {s.frame.t, s.frame.b, s.frame.n, {s.jet.dpdu, s.jet.dpdv}}; }
 };
 
-// Whether the frame at the point is differentiable. A point at a pole is moved beside it, to where dpdu
+// Whether the frame at the point is differentiable. A point at a pole is moved off it, to where dpdu
 // determines directions: the covariance of n is the same there.
 bool has_first_order(const SurfaceWithParameters& surface, Point& at) {
   const Sample<double>& s = at.s;

@@ -33,7 +33,7 @@ std::size_t component_bytes(const JsonCursor& component_type) {
   }
 }
 
-/// Bytes of a bufferView, and its stride, 0 when its elements are tightly packed.
+/// The bytes of a bufferView and its stride; 0 if the elements are tightly packed.
 struct View {
   std::string_view bytes;
   std::size_t stride = 0;
@@ -45,8 +45,8 @@ View read_view(const GltfFile& file, const JsonCursor& index) {
   return {file.view_bytes(view), stride};
 }
 
-/// `count` > 0 elements of `size` bytes of a place that names a bufferView and a byteOffset, with what lies
-/// between them. The bounds are checked in an order that cannot overflow.
+/// `count` > 0 elements of `size` bytes at a place that names a bufferView and a byteOffset, including the
+/// bytes between them. The bounds are checked in an order that cannot overflow.
 View find_elements(const GltfFile& file, const JsonCursor& place, std::uint64_t count, std::size_t size) {
   const View view = read_view(file, place.at("bufferView"));
   const std::uint64_t offset = place.integer_or("byteOffset", 0);
@@ -121,7 +121,7 @@ Accessor accessor_layout(const JsonCursor& place) {
   accessor.components = shape->columns * shape->rows;
   accessor.normalized = place.has("normalized") && place.at("normalized").boolean();
   accessor.count = place.at("count").integer(1);
-  // Columns of a matrix begin at multiples of 4 bytes.
+  // Columns of a matrix are aligned to 4 bytes.
   accessor.element_bytes =
       shape->columns == 1 ? shape->rows * size : shape->columns * round_up_4(shape->rows * size);
   return accessor;
@@ -152,7 +152,7 @@ void numbers(const Accessor& accessor, std::span<double> values) {
     for (std::size_t i = 0, element = 0; element < accessor.count; ++element)
       for (std::size_t k = 0; k < accessor.components; ++k, ++i) {
         values[i] = static_cast<double>(raw_component<T>(accessor, element, k));
-        // The most negative integer stands for -1 as well.
+        // The most negative integer also stands for -1.
         if (scaled) values[i] = std::max(values[i] / largest, -1.0);
       }
   });

@@ -26,7 +26,7 @@
 namespace darboux::io {
 namespace {
 
-/// Lets assimp open nothing: materials, textures and caches have no part in a mesh.
+/// Prevents assimp from opening other files: materials, textures and caches do not affect a mesh.
 class NoFiles : public Assimp::IOSystem {
  public:
   bool Exists(const char*) const override { return false; }
@@ -35,7 +35,7 @@ class NoFiles : public Assimp::IOSystem {
   void Close(Assimp::IOStream*) override {}
 };
 
-/// Keeps what assimp says of objects of an FBX that it drops.
+/// Records assimp's log messages about objects of an FBX that it drops.
 class Dropped : public Assimp::LogStream {
  public:
   explicit Dropped(std::vector<std::string>& messages) : messages_(messages) {}
@@ -84,7 +84,7 @@ Primitive primitive_of(const aiMesh& from) {
   return primitive;
 }
 
-// World matrices of the nodes that show each mesh.
+// World matrices of the nodes that reference each mesh.
 std::vector<std::vector<Eigen::Matrix4d>> instances_of(const aiScene& scene) {
   std::vector<std::vector<Eigen::Matrix4d>> instances(scene.mNumMeshes);
   struct Visit {
@@ -109,8 +109,9 @@ std::vector<std::vector<Eigen::Matrix4d>> instances_of(const aiScene& scene) {
   return instances;
 }
 
-/// What is wrong where polygons take long to cut into triangles: assimp looks at all corners of a polygon for
-/// each of them, in some 20 ns. Polygons of up to 16 corners, of which a file has 2 bytes at least, pass.
+/// The reason to reject a file whose polygons take long to triangulate: assimp visits all corners of a
+/// polygon for each of them, in some 20 ns. Polygons of up to 16 corners, which take at least 2 bytes of a
+/// file per corner, pass.
 std::string long_to_cut(const aiScene& scene, std::size_t file_bytes) {
   const std::uint64_t most = 25'000'000 + 8 * std::uint64_t{file_bytes};
   std::uint64_t sum = 0;
@@ -125,8 +126,8 @@ std::string long_to_cut(const aiScene& scene, std::size_t file_bytes) {
   return "";
 }
 
-/// Takes the triangles with a corner of no normal, to which assimp gives one of zeros, into a mesh without
-/// normals. Each corner has a vertex of its own.
+/// Moves the triangles that have a corner without a normal, to which assimp gives a zero normal, into a mesh
+/// without normals. Each corner has a vertex of its own.
 Mesh take_bare_triangles(Mesh& mesh) {
   Mesh bare, rest;
   for (const Triangle& triangle : mesh.triangles) {
@@ -151,7 +152,7 @@ struct Imported {
   std::string refusal;  // empty where the file was read
 };
 
-/// \param bare_corners whether an OBJ has faces without normals beside others that have them
+/// \param bare_corners whether an OBJ has some faces without normals
 Imported import(const std::string& bytes, AssimpFormat format, bool bare_corners) {
   Assimp::Importer importer;
   importer.SetIOHandler(new NoFiles);  // owned by the importer
@@ -195,7 +196,7 @@ Imported import(const std::string& bytes, AssimpFormat format, bool bare_corners
     primitive.data = std::move(first);
     result.asset.primitives.push_back(std::move(primitive));
   }
-  // Those have no number: they are counted on after the meshes.
+  // These have no number; they are numbered after the meshes.
   for (std::size_t i = 0; i < dropped.size(); ++i)
     result.asset.skipped.push_back(
         {scene->mNumMeshes + i, 0, "assimp drops an object (" + in_quotes(dropped[i]) + ")"});
@@ -204,7 +205,7 @@ Imported import(const std::string& bytes, AssimpFormat format, bool bare_corners
   return result;
 }
 
-/// The index behind the first or second slash of a face's corner, "7/3/5"; nothing where there is none.
+/// The index behind the first or second slash of a face's corner, "7/3/5"; none if it is missing.
 std::optional<long> index_of(std::string_view corner, int slashes) {
   for (; slashes > 0; --slashes) {
     const std::size_t slash = corner.find('/');
@@ -243,7 +244,7 @@ std::vector<std::string_view> corners_of(std::string_view line) {
   return corners;
 }
 
-/// Whether an OBJ has faces without normals and stores no normal of zeros, so that one of zeros means none.
+/// Whether an OBJ has faces without normals and stores no zero normal, so that a zero normal means none.
 bool has_bare_corners(std::string_view text) {
   const auto is_index = [](std::string_view corner) {
     return corner[0] == '-' || (corner[0] >= '0' && corner[0] <= '9');
@@ -260,7 +261,7 @@ bool has_bare_corners(std::string_view text) {
   return bare && !zero;
 }
 
-/// An OBJ whose faces name uvs or normals that are not there, which assimp drops: without these references.
+/// An OBJ without the references of faces to missing uvs or normals: assimp would drop these faces.
 std::string without_missing(const std::string& text) {
   const auto each_line = [&](auto f) { for_each_line(text, f); };
   long uvs = 0, normals = 0;
@@ -302,7 +303,7 @@ std::string without_missing(const std::string& text) {
   return result;
 }
 
-/// Puts a zero before numbers that begin with a point: assimp passes over them, and so over vertices.
+/// Inserts a zero before numbers that begin with a point: assimp skips such numbers, and so their vertices.
 std::string with_leading_zeros(const std::string& text) {
   std::string result;
   bool in_vertex = false;
@@ -345,8 +346,8 @@ Asset read_with_assimp(const std::string& path, const std::string& bytes, Assimp
       throw FileError(path, "expected FBX 7.1 (2011) or later, got " + std::to_string(*version / 1000) + "." +
                                 std::to_string(*version / 100 % 10) +
                                 ": Autodesk's FBX Converter 2013 reads it and writes it anew");
-  // For each byte assimp has some 50 of its own, most for FBX in ASCII, of which it reads 1 MB in a second at
-  // least.
+  // assimp takes some 50 bytes per byte of the file, most for ASCII FBX, which it reads at 1 MB per second or
+  // faster.
   const ChildLimits limits{(std::uint64_t{1} << 30) + 256 * bytes.size(),
                            static_cast<unsigned>(20 + bytes.size() / 500000), options.sandbox};
   Imported result;

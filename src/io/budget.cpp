@@ -11,8 +11,7 @@ std::string mebibytes(std::uint64_t bytes) {
   return rounded(static_cast<double>(bytes) / (1 << 20), 4) + " MiB";
 }
 
-// Of a large file: so many times its bytes. An indexed triangle is stored in 12 bytes at least, if it is not
-// compressed.
+// Factor of a large file's size. An uncompressed indexed triangle takes at least 12 bytes.
 constexpr std::uint64_t honest_expansion = 16;
 
 }  // namespace

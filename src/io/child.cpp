@@ -26,8 +26,7 @@ namespace {
 
 constexpr int out_of_memory = 3, not_confined = 4;  // exit status
 
-// A child may share its processor with another process; a child that does not wait needs no more time than
-// this.
+// A child may share its processor with another process; one that never waits needs no more time than this.
 std::chrono::seconds patience(const ChildLimits& limits) {
   return std::chrono::seconds(10) + std::chrono::seconds(2) * limits.seconds;
 }
@@ -57,7 +56,7 @@ bool write_all(int descriptor, const void* from, std::size_t count) {
   return true;
 }
 
-// However the parent ends, this process ends with it.
+// Ends this process with its parent, however that ends.
 void end_with(pid_t parent) {
 #ifdef __linux__
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -65,12 +64,12 @@ void end_with(pid_t parent) {
   if (::getppid() != parent) ::_exit(EXIT_FAILURE);  // it ended before
 }
 
-// The answer is its length, then its bytes.
+// Sends the length of the answer, then its bytes.
 [[noreturn]] void run_child(int pipe, const std::function<std::string()>& work, const ChildLimits& limits) {
   for (int signal = 1; signal < NSIG; ++signal) ::signal(signal, SIG_DFL);
   if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) {
     ::dup2(nowhere, STDOUT_FILENO);
-    if (!sanitized) ::dup2(nowhere, STDERR_FILENO);  // what a sanitizer reports is not lost
+    if (!sanitized) ::dup2(nowhere, STDERR_FILENO);  // keeps the sanitizer's reports
   }
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, limits.seconds);
@@ -89,7 +88,7 @@ void end_with(pid_t parent) {
   ::_exit(status);
 }
 
-// Appends what comes through the pipe; false when its end does not come before the deadline.
+// Appends what arrives through the pipe; false if it does not end before the deadline.
 bool read_until(std::chrono::steady_clock::time_point deadline, int pipe, std::string& bytes) {
   std::string buffer(std::size_t{1} << 16, '\0');
   while (true) {
@@ -125,7 +124,7 @@ std::string in_child(const std::function<std::string()>& work, const ChildLimits
   Descriptor from_child;
   pid_t child = -1;
   {
-    // No child may inherit the end of another's pipe that is written to: its reader would wait for both.
+    // No child may inherit the write end of another's pipe: its reader would wait for both.
     static std::mutex one_at_a_time;
     const std::lock_guard lock(one_at_a_time);
     int ends[2];

@@ -22,7 +22,7 @@ struct Ids : pugi::xml_tree_walker {
   }
 };
 
-// use(word) for each of the words of its text.
+// Calls use(word) for each word of its text.
 template <class Use>
 void for_each_word(const pugi::xml_node& element, Use use) {
   constexpr std::string_view blanks = " \t\r\n";

@@ -12,7 +12,7 @@
 namespace darboux::io {
 namespace {
 
-// Vectors of a <source>: so many numbers each, picked out of an array.
+// Vectors of a <source>: a number of components each, selected from an array.
 struct Source {
   const std::vector<double>* values = nullptr;
   std::uint64_t offset = 0, stride = 1, count = 0;
@@ -28,7 +28,7 @@ struct Input {
   Source source;
 };
 
-// What corners have.
+// The inputs of a corner.
 struct Inputs {
   std::optional<Input> position, normal, tangent, bitangent;
   std::map<std::uint64_t, Input> uvs;  // by set
@@ -128,7 +128,7 @@ class GeometryReader {
     return inputs;
   }
 
-  // Polygons of so many corners in all, and the triangles that they become.
+  // Accounts for the corners of polygons, and the triangles that they become.
   void take(const pugi::xml_node& group, const Inputs& inputs, std::uint64_t triangles,
             std::uint64_t corners) {
     const std::uint64_t list = sizeof(std::vector<std::uint64_t>) + 16;  // with the allocator's own
@@ -140,7 +140,7 @@ class GeometryReader {
                  std::to_string(triangles) + " triangles of " + std::to_string(corners) + " corners");
   }
 
-  // The indices of each polygon, as many per corner as the inputs' stride.
+  // The indices of each polygon, `stride` per corner.
   std::vector<std::vector<std::uint64_t>> read_polygons(const pugi::xml_node& group, const Inputs& inputs) {
     const std::uint64_t stride = inputs.stride;
     const std::string_view kind = group.name();

@@ -82,7 +82,7 @@ std::vector<std::vector<Eigen::Matrix4d>> read_instances(const Collada& file,
     pugi::xml_node node;
     Eigen::Matrix4d parent;
   };
-  // Nodes may show others, and so each other: all that is looked at is counted.
+  // Nodes may reference others, even in cycles, so all visits are counted.
   constexpr std::size_t most_looks = 1000000;
   std::size_t looks = 0;
   std::vector<Visit> visits;

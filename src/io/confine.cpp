@@ -26,7 +26,7 @@ constexpr unsigned architecture = AUDIT_ARCH_X86_64;
 constexpr unsigned architecture = AUDIT_ARCH_AARCH64;
 #endif
 
-// What computing takes, and answering through a pipe. All else is refused.
+// System calls needed to compute and to answer through a pipe. All others are refused.
 constexpr std::array allowed{SYS_read,
                              SYS_write,
                              SYS_writev,
@@ -58,12 +58,12 @@ constexpr std::array allowed{SYS_read,
                              SYS_uname,
                              SYS_restart_syscall,
 #ifdef DARBOUX_SANITIZED
-                             SYS_pipe2,  // by which its runtime asks what memory it may look at
+                             SYS_pipe2,  // the sanitizer tests by it which memory is readable
 #endif
                              SYS_exit,
                              SYS_exit_group};
 
-// No file at all may be opened, made or removed.
+// Forbids opening, creating and removing any file.
 void forbid_files() {
   landlock_ruleset_attr rules{};
   rules.handled_access_fs = (LANDLOCK_ACCESS_FS_MAKE_SYM << 1) - 1;  // all that the first version knows
@@ -73,7 +73,7 @@ void forbid_files() {
   ::close(static_cast<int>(descriptor));
 }
 
-// tgkill() to this process itself, for abort(); the filter looks at the numbers alone.
+// Allows tgkill() of this process itself, for abort(); the filter sees only the numbers.
 bool filter_calls() {
   constexpr unsigned load = BPF_LD | BPF_W | BPF_ABS, equal = BPF_JMP | BPF_JEQ | BPF_K,
                      answer = BPF_RET | BPF_K;

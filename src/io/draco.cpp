@@ -18,8 +18,8 @@ namespace {
 
 constexpr const char* draco_extension = "KHR_draco_mesh_compression";
 
-/// One of Draco's decoders that looks at the counts in the stream before anything is allocated by them. A
-/// stream's size bounds nothing: a plane grid of two million triangles takes 2330 bytes.
+/// One of Draco's decoders, which checks the counts in the stream before memory is allocated by them. The
+/// size of a stream does not bound its content: a plane grid of two million triangles takes 2330 bytes.
 template <class Decoder>
 class BoundedDecoder final : public Decoder {
  public:
@@ -27,13 +27,13 @@ class BoundedDecoder final : public Decoder {
 
  protected:
   bool DecodeConnectivity() override {
-    // Edgebreaker states vertices and faces; the other faces and points. Vertices and points are at most
-    // three per face, which Draco checks.
+    // Edgebreaker states vertices and faces; the other method faces and points. Vertices and points are at
+    // most three per face, which Draco checks.
     draco::DecoderBuffer ahead = *this->buffer();
     std::uint32_t first = 0, second = 0;
     if (!DecodeVarint(&first, &ahead) || !DecodeVarint(&second, &ahead)) return false;
     constexpr bool vertices_first = std::is_same_v<Decoder, draco::MeshEdgebreakerDecoder>;
-    constexpr std::uint64_t face_bytes = 64;  // of indices, neighbours and what it takes to find them
+    constexpr std::uint64_t face_bytes = 64;  // for indices, neighbours and the tables to find them
     const std::uint64_t faces = vertices_first ? second : first;
     budget_.take(faces * face_bytes, compressed_, std::to_string(faces) + " triangles of 64 bytes");
     return Decoder::DecodeConnectivity();
@@ -56,7 +56,7 @@ class BoundedDecoder final : public Decoder {
   Budget& budget_;
 };
 
-/// \param compressed the extension's object
+/// \param compressed the extension object
 void decode(std::string_view stream, const JsonCursor& compressed, Budget& budget, draco::Mesh& mesh) {
   const auto refuse = [&](const std::string& why) {
     compressed.fail("a mesh of Draco 2.2", "a stream that cannot be decoded (" + why + ")");
@@ -85,12 +85,12 @@ void decode(std::string_view stream, const JsonCursor& compressed, Budget& budge
       refuse("its method is " + std::to_string(header.encoder_method));
   } catch (const Error&) {
     throw;
-  } catch (const std::exception& error) {  // a container of Draco's that was asked for too much
+  } catch (const std::exception& error) {  // one of Draco's containers failed to allocate
     refuse(in_quotes(error.what()));
   }
 }
 
-/// The values of an attribute as the accessor states them, one for each point.
+/// The values of an attribute in the type of the accessor, one per point.
 void read_values(const draco::Mesh& mesh, const draco::PointAttribute& attribute, const JsonCursor& index,
                  Accessor& values) {
   if (attribute.num_components() != values.components)
@@ -113,9 +113,9 @@ void read_values(const draco::Mesh& mesh, const draco::PointAttribute& attribute
   });
 }
 
-/// Half the step of floats that Draco quantised, which it does not tell after decoding: the fewest bits with
-/// which all values are minimum + k range / (2^bits - 1), the minimum that of the component, the range the
-/// largest of all. 0 where there are none.
+/// Half the step of floats that Draco quantised, which is not available after decoding: from the fewest bits
+/// for which all values are minimum + k range / (2^bits - 1), with the minimum of the component and the
+/// largest range of all. 0 if there are none.
 double half_step_of(const Accessor& values) {
   if (values.component_type != component_f32 || values.count < 2) return 0;
   const std::size_t n = values.components, step = std::max<std::size_t>(1, values.count / 1000);
@@ -187,7 +187,7 @@ void decompress(GltfFile& file, std::size_t mesh_index, std::size_t primitive_in
     draco::Mesh mesh;
     decode(file.view_bytes(file.element("bufferViews", found->at("bufferView"))), *found, budget, mesh);
     corners = corners_of(mesh, *found);
-    // The triangles of a strip are a list in the stream.
+    // In the stream, the triangles of a strip are a list.
     if (primitive.has("indices") && mode == triangles)
       expect_count(primitive.at("indices"),
                    accessor_layout(file.element("accessors", primitive.at("indices"))).count, corners.size());

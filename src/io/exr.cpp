@@ -57,7 +57,7 @@ class MemoryOutput final : public Imf::OStream {
   std::uint64_t at_ = 0;
 };
 
-// Channel c of an image, whose first texel is at (x, y) of the file's plane.
+// Channel c of an image whose first texel is at (x, y) in the file's plane.
 Imf::Slice slice_of(Image& image, std::size_t c, int x, int y) {
   const auto channels = static_cast<std::size_t>(image.channels),
              width = static_cast<std::size_t>(image.width);
@@ -73,7 +73,7 @@ Imf::Slice slice_of(Image& image, std::size_t c, int x, int y) {
           c == 3 ? 1.0 : 0.0};
 }
 
-// The size that the header of the first part claims, before memory is taken for it.
+// Checks the size declared by the header of the first part before memory is allocated.
 void check_size(const std::string& file, std::string_view bytes, const ReadImageOptions& options) {
   MemoryInput stream(file, bytes);
   char magic_and_version[8];

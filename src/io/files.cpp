@@ -63,7 +63,7 @@ int hex_digit(char c) {
   return -1;
 }
 
-// A % that begins no escape stands for itself, as in files of exporters that do not escape.
+// A % that begins no valid escape stands for itself: some exporters do not escape.
 std::string decode_percent(const std::string& uri) {
   std::string text;
   for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -80,7 +80,7 @@ bool has_scheme(std::string_view uri) {
   return colon != std::string_view::npos && uri.substr(0, colon).find('/') == std::string_view::npos;
 }
 
-// Whether a file that exists lies neither in a folder nor below it, wherever symbolic links lead.
+// Whether an existing file lies outside a folder and its subfolders, after symbolic links are resolved.
 bool lies_outside(const std::filesystem::path& path, const std::filesystem::path& folder) {
   std::error_code error;
   const std::filesystem::path file = std::filesystem::canonical(path, error);
@@ -125,7 +125,7 @@ Piece map_file(const std::string& path) {
   if (file.value < 0 || ::fstat(file.value, &status) != 0 || status.st_size <= 0)
     return Piece::of(read_file(path));
 #ifdef MAP_POPULATE
-  constexpr int flags = MAP_PRIVATE | MAP_POPULATE;  // nearly all of it will be looked at
+  constexpr int flags = MAP_PRIVATE | MAP_POPULATE;  // nearly all of it will be read
 #else
   constexpr int flags = MAP_PRIVATE;
 #endif
@@ -171,7 +171,7 @@ std::string load_uri(const std::string& base, const std::string& name, const std
   const std::filesystem::path folder = std::filesystem::path(base).parent_path(),
                               path = file_of_uri(base, uri);
   std::error_code none;
-  // An asset that is a link belongs to either folder: stores of files are made of links.
+  // An asset that is itself a link may refer to either folder: content-addressed stores consist of links.
   if (!options.allow_outside && lies_outside(path, folder.empty() ? "." : folder) &&
       lies_outside(path, std::filesystem::canonical(base, none).parent_path()))
     throw OutsideError(base,

@@ -1,5 +1,5 @@
-// Formula files: lines "name = expression". muParser turns each expression into its bytecode, which is
-// translated once into instructions of our own.
+// Formula files: lines "name = expression". muParser compiles each expression to its bytecode, which is
+// translated once into our own instructions.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -69,7 +69,7 @@ const FunctionName* find_function(std::string_view name) {
   return nullptr;
 }
 
-// A name in an expression.
+// An occurrence of a name in an expression.
 struct Mention {
   std::string name;
   int position;
@@ -97,7 +97,7 @@ std::vector<Mention> mentions(const std::string& text) {
   return result;
 }
 
-// muParser with our own functions, told apart in its bytecode by the address of their entry in
+// muParser with our own functions, identified in its bytecode by the address of their entry in
 // function_names.
 class Parser : public mu::Parser {
  public:
@@ -211,7 +211,7 @@ class Reader {
                        expected_got("one definition",
                                     "a second one (the first is in line " +
                                         std::to_string(at(before->second - first_definition).line) + ")"));
-    // muParser would stop at a NUL and be content.
+    // muParser would silently stop at a NUL.
     if (std::any_of(content.begin(), content.end(),
                     [](char c) { return static_cast<unsigned char>(c) < 32 && c != '\t'; }))
       fail(number, expected_got("text", in_quotes(content) + ", which holds a control character"));
@@ -257,8 +257,8 @@ class Reader {
     }
   }
 
-  // Those that x, y and z need, each after what it needs itself; all others are looked at too. Depth first,
-  // by a list of open definitions, so that a long chain costs no stack.
+  // Those that x, y and z need, each after its own dependencies; all others are checked too. Depth first,
+  // with an explicit stack of open definitions, so that a long chain does not overflow the call stack.
   void find_order() {
     enum class State : std::uint8_t { fresh, open, done };
     std::vector<State> state(program_.definitions.size(), State::fresh);
@@ -305,13 +305,13 @@ class Reader {
       if (k >= first_definition) parser.DefineVar(name, &places[static_cast<std::size_t>(k)]);
     varies_.assign(places.size(), false);
     varies_[0] = varies_[1] = true;
-    // What an expression needs is known to vary or not before it is translated.
+    // Whether the dependencies of an expression vary is known before it is translated.
     for (const int d : program_.order) translate(parser, d, places);
     for (std::size_t d = 0; d < program_.definitions.size(); ++d)
       if (at(static_cast<int>(d)).code.empty()) translate(parser, static_cast<int>(d), places);
   }
 
-  // Has muParser make its bytecode of one expression.
+  // Compiles one expression to muParser's bytecode.
   void parse(Parser& parser, const Definition& definition) const {
     int results = 0;
     try {
@@ -332,7 +332,7 @@ class Reader {
     const mu::ParserByteCode& bytecode = parser.GetByteCode();
     const mu::SToken* token = bytecode.GetBase();
     std::vector<bool> varies,
-        branches;  // of what lies on the stack; of first branches whose second one is open
+        branches;  // of values on the stack; of first branches whose second one is open
     const auto take = [&varies] {
       const bool top = varies.back();
       varies.pop_back();
@@ -396,7 +396,7 @@ class Reader {
     varies_[static_cast<std::size_t>(first_definition + d)] = varies.back();
   }
 
-  // "unexpected token "*" at column 12", in our columns.
+  // "unexpected token "*" at column 12", in columns of the file.
   std::string syntax_error(const Definition& d, const mu::ParserError& error) const {
     std::string what = error.GetMsg();
     if (error.GetCode() == mu::ecINTERNAL_ERROR)

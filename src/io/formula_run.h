@@ -48,7 +48,7 @@ S arctangent(const S& y, const S& x) {
   } else if constexpr (std::floating_point<S>) {
     return std::atan2(y, x);
   } else {
-    // The angle left over from that in double is below 1e-15: its tangent and one more term give it to 1e-75.
+    // The remaining angle is below 1e-15 in double: its tangent and one more term give it to 1e-75.
     const S coarse(std::atan2(to_double(y), to_double(x)));
     const auto [s, c] = sine_cosine(coarse);
     const S t = (y * c - x * s) / (x * c + y * s);
@@ -56,7 +56,7 @@ S arctangent(const S& y, const S& x) {
   }
 }
 
-// Wide real numbers have no inverse hyperbolic functions.
+// Wide real numbers lack inverse hyperbolic functions.
 template <class S>
 S inverse_hyperbolic(Function f, const S& x) {
   const S one = lift<S>(1.0);

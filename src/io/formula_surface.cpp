@@ -1,4 +1,4 @@
-// Surfaces from a user's formula. Its instructions run over every scalar, so that dual numbers give the
+// Surfaces from a user's formula. Its instructions run over every scalar type, so dual numbers give the
 // partials.
 #include <algorithm>
 #include <cmath>
@@ -38,7 +38,8 @@ class FormulaSurface {
   Jet2<S> jet(const S& u, const S& v) const {
     Jet2<S> j = detail::jet_by_duals<info.u, info.v, S>(
         [this](const auto& a, const auto& b) { return this->position(a, b); }, u, v);
-    // Where there is no position there are no partials, though log has a slope left of zero by the rules.
+    // Where there is no position there are no partials, although the differentiation rules give log a slope
+    // left of zero.
     for (S Vec3<S>::*const c : {&Vec3<S>::x, &Vec3<S>::y, &Vec3<S>::z})
       if (const S& p = j.position.*c; !(p == p))
         for (Vec3<S>* partial : {&j.dpdu, &j.dpdv, &j.d2pdu2, &j.d2pduv, &j.d2pdv2}) partial->*c = p;
@@ -65,7 +66,7 @@ class FormulaSurface {
     std::vector<ParameterValue> result;
     for (std::size_t k = 0; k < values_.size(); ++k) {
       const Definition& d = program_->definitions[static_cast<std::size_t>(program_->parameters[k])];
-      // The range in which the formula holds is unknown: random parameters stay within a factor of two.
+      // The domain of the formula is unknown, so random parameters stay within a factor of two.
       const double standard = program_->standard[k], size = standard == 0 ? 1 : std::fabs(standard);
       result.push_back(
           {d.name, static_cast<double>(values_[k]), standard, Range{}, d.meaning, {size / 2, size * 2}});

@@ -55,7 +55,7 @@ GltfFile new_file(const std::string& path) {
   return file;
 }
 
-// With a node of its own.
+// Appends the mesh with a node of its own.
 void append_mesh(GltfFile& file, const Mesh& mesh, const std::string& name, const std::string& extras_json) {
   check_consistent(mesh, name);
   if (mesh.triangles.empty()) throw MeshError(name, expected_got("at least one triangle", "none"));

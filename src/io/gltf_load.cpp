@@ -29,7 +29,7 @@ struct Chunks {
   bool has_bin = false;
 };
 
-/// The length that the header of a GLB states. \throws FileError where it is more than there is
+/// The length stated in the header of a GLB. \throws FileError if it exceeds the file
 std::size_t stated_length(const std::string& path, std::string_view header, std::uintmax_t there) {
   const std::size_t stated = read_u32(header, 8);
   if (stated > there)
@@ -75,7 +75,7 @@ Chunks split_chunks(const std::string& path, std::string_view bytes) {
   return chunks;
 }
 
-// Extensions that change triangles or hang on them, and are known.
+// Known extensions that change triangles or are attached to them.
 constexpr std::string_view known_extensions[] = {"KHR_mesh_quantization",   "KHR_draco_mesh_compression",
                                                  "EXT_meshopt_compression", "KHR_materials_variants",
                                                  "EXT_mesh_features",       "EXT_structural_metadata",
@@ -89,7 +89,7 @@ void check_version(const JsonCursor& document) {
     asset.at("minVersion").fail("\"2.0\"");
 }
 
-// Whether some object that holds triangles has the extension.
+// Whether some object with triangles has the extension.
 bool hangs_on_triangles(const JsonCursor& document, const char* name) {
   const auto any = [&](const JsonCursor& owner, const char* key, auto&& also) {
     if (!owner.has(key)) return false;
@@ -104,8 +104,8 @@ bool hangs_on_triangles(const JsonCursor& document, const char* name) {
   return any(document, "meshes", [&](const JsonCursor& mesh) { return any(mesh, "primitives", nothing); });
 }
 
-// A required extension that is unknown is refused where it may change triangles. Materials, textures, lights,
-// animations and nodes have no part in a mesh in its own space.
+// An unknown required extension is refused if it may change triangles. Materials, textures, lights,
+// animations and nodes do not affect a mesh in its own space.
 void check_extensions(const JsonCursor& document) {
   if (!document.has("extensionsRequired")) return;
   const JsonCursor required = document.at("extensionsRequired");
@@ -128,13 +128,13 @@ void check_arrays(const JsonCursor& document) {
     if (document.has(key)) document.at(key).size();
 }
 
-/// The bytes of one buffer, nothing where none are to be read. \param chunk the binary chunk where there is
-/// one; a first buffer without a uri takes it
+/// The bytes of one buffer; none if none are to be read. \param chunk the binary chunk, if any; a first
+/// buffer without a uri takes it
 std::optional<BufferBytes> load_buffer(const GltfFile& file, const JsonCursor& buffer, bool is_first,
                                        const std::optional<Piece>& chunk) {
   const std::uint64_t length = buffer.at("byteLength").integer(1);
   std::optional<BufferBytes> bytes;
-  // A fallback is for readers that do not know the extension.
+  // A fallback buffer is for readers that do not support the extension.
   const auto meshopt = buffer.extension("EXT_meshopt_compression");
   const bool fallback = meshopt && meshopt->has("fallback") && meshopt->at("fallback").boolean();
   if (buffer.has("uri")) {
@@ -148,7 +148,7 @@ std::optional<BufferBytes> load_buffer(const GltfFile& file, const JsonCursor& b
   return bytes;
 }
 
-/// \param chunk the binary chunk where there is one
+/// \param chunk the binary chunk, if any
 void load_buffers(GltfFile& file, const std::optional<Piece>& chunk) {
   if (!file.root().has("buffers")) return;
   const JsonCursor buffers = file.root().at("buffers");
@@ -156,8 +156,8 @@ void load_buffers(GltfFile& file, const std::optional<Piece>& chunk) {
     file.buffers.push_back(load_buffer(file, buffers.at(i), i == 0, chunk));
 }
 
-/// Refuses what would take the parser's stack or its time: deep nesting, and objects of very many keys, each
-/// of which is looked for among the ones before it.
+/// Refuses documents that would exhaust the parser's stack or take long: deep nesting, and objects with very
+/// many keys, each of which is searched for among the previous ones.
 void check_nesting(const std::string& file, std::string_view text) {
   constexpr std::size_t most_levels = 256, most_keys = 10000;
   struct Level {
@@ -178,7 +178,7 @@ void check_nesting(const std::string& file, std::string_view text) {
     const char c = text[i];
     if (c == '"') in_text = !in_text;
     if (in_text) {
-      if (c == '\\') ++i;  // what follows does not end the text
+      if (c == '\\') ++i;  // an escaped character does not end the string
       continue;
     }
     if (c == '{' || c == '[') {
@@ -191,7 +191,7 @@ void check_nesting(const std::string& file, std::string_view text) {
     if (c == '}' || c == ']') leave();
     if (c == ':') ++levels[level].keys;
   }
-  while (level > 0) leave();  // of a document that is cut off
+  while (level > 0) leave();  // of a truncated document
 }
 
 }  // namespace
@@ -217,7 +217,7 @@ Json parse_json(const std::string& file, std::string_view text) {
 
 namespace {
 
-// The JSON of a document that is no GLB, or a refusal.
+// The JSON of a document that is not a GLB; refuses anything else.
 std::string_view json_text(const std::string& path, std::string_view bytes) {
   constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
   const std::size_t skip = bytes.starts_with(byte_order_mark) ? byte_order_mark.size() : 0;
@@ -238,7 +238,7 @@ std::string_view json_text(const std::string& path, std::string_view bytes) {
 void check_document(const GltfFile& file) {
   if (!file.json.is_object())
     throw FileError(file.path, expected_got("glTF 2.0, a JSON object", "another JSON value"));
-  // Its arrays are looked for again for each element of them.
+  // Arrays are looked up again for each of their elements.
   constexpr std::size_t most_keys = 1000;
   if (file.json.size() > most_keys)
     file.root().fail("an object of at most " + std::to_string(most_keys) + " keys, of which glTF defines 19",
@@ -294,13 +294,13 @@ GltfFile load_gltf_json(const std::string& path, const ReadOptions& options) {
                                    std::to_string(length)));
     std::string rest(length, '\0');
     stream.read(rest.data(), static_cast<std::streamsize>(rest.size()));
-    // A GLB that ends with its document.
+    // A GLB whose document is its last chunk.
     bytes += rest;
     const auto total = static_cast<std::uint32_t>(bytes.size());
     std::memcpy(bytes.data() + 8, &total, sizeof total);
     file.json = parse_json(path, split_chunks(path, bytes).json);
   } else if (bytes.starts_with("glTF")) {
-    split_chunks(path, bytes);  // refuses what is too short
+    split_chunks(path, bytes);  // rejects files that are too short
   } else {
     file.json = parse_json(path, json_text(path, read_file(path)));
   }
@@ -372,7 +372,7 @@ std::string_view GltfFile::view_bytes(const io::JsonCursor& view,
   const std::uint64_t length = view.at("byteLength").integer(1);
   const bool there = offset <= available && length <= available - offset;
   const std::optional<std::string_view> result = there ? bytes->within(offset, length) : std::nullopt;
-  if (!result)  // what was appended has views of its own
+  if (!result)  // appended bytes have their own views
     view.fail("bytes within the " + std::to_string(available) + " of " + buffer.name(),
               std::to_string(length) + " bytes from byte " + std::to_string(offset));
   return *result;

@@ -40,7 +40,7 @@ Accessor read_attribute(const GltfFile& file, const JsonCursor& attributes, cons
   return accessor;
 }
 
-// Elements where they lie, as numbers of type T; nothing where they are to be read.
+// Elements in place, as numbers of type T; none if they have to be copied.
 template <class T>
 std::span<const T> numbers_in_place(const GltfFile& file, const JsonCursor& index, const Accessor& layout) {
   const std::string_view bytes = elements_in_place(file, index, layout);
@@ -71,9 +71,9 @@ InPlace<std::uint32_t> read_indices(const GltfFile& file, const JsonCursor& prim
   return indices;
 }
 
-/// Triangles in glTF's winding (section 3.7.2.1): a strip turns over every other triangle, a fan ends with
-/// its hub.
-/// \param leftover is set to how many corners at the end are no whole triangle
+/// Triangles in glTF's winding (section 3.7.2.1): a strip reverses every other triangle, a fan ends with its
+/// hub.
+/// \param leftover receives the number of corners at the end that make no whole triangle
 std::vector<Triangle> make_triangles(std::uint64_t mode, std::span<const std::uint32_t> corners,
                                      std::size_t& leftover) {
   const std::size_t n = corners.size();
@@ -107,7 +107,7 @@ std::string uv_name(int set) {
   return "TEXCOORD_" + std::to_string(set);
 }
 
-/// The uvs that tangents follow: those its materials name, else the first.
+/// The uvs that tangents follow: those that its materials name, else the first set.
 void choose_uvs(const GltfFile& file, const JsonCursor& place, Primitive& primitive) {
   const TangentSpace space = tangent_space(file, place);
   primitive.needs_tangents = space.needed;
@@ -120,7 +120,7 @@ void choose_uvs(const GltfFile& file, const JsonCursor& place, Primitive& primit
   if (space.names && !primitive.names_uv_set) primitive.missing_texcoord = space.texcoord;
 }
 
-/// The others that stored tangents may follow.
+/// The other uv sets that stored tangents may follow.
 std::vector<int> other_uv_sets(const JsonCursor& attributes, const Primitive& primitive) {
   std::vector<int> sets;
   for (int set = 0; set < most_uv_sets && primitive.texcoord >= 0; ++set)
@@ -164,7 +164,7 @@ void read_triangles(const GltfFile& file, const JsonCursor& place, std::uint64_t
   }
 }
 
-// Whether positions, normals and uvs are floats, and tangents take them as they are.
+// Whether positions, normals and uvs are stored as floats that tangents use unchanged.
 bool stored_as_floats(const GltfFile& file, const JsonCursor& place, std::uint64_t mode,
                       const Primitive& primitive) {
   const JsonCursor attributes = place.at("attributes");
@@ -275,7 +275,7 @@ void append_nodes(const GltfFile& file, const JsonCursor& owner, const char* key
 
 }  // namespace
 
-// Whether an animation moves each node itself.
+// Whether an animation moves each node directly.
 static std::vector<bool> animated_nodes(const JsonCursor& root, std::size_t nodes) {
   std::vector<bool> result(nodes, false);
   if (!root.has("animations")) return result;
@@ -284,7 +284,7 @@ static std::vector<bool> animated_nodes(const JsonCursor& root, std::size_t node
     const JsonCursor channels = animations.at(a).at("channels");
     for (std::size_t c = 0; c < channels.size(); ++c) {
       const JsonCursor target = channels.at(c).at("target");
-      // A pointer may name any of them.
+      // A pointer may refer to any of them.
       if (target.extension("KHR_animation_pointer")) result.assign(nodes, true);
       if (!target.has("node")) continue;
       const std::uint64_t node = target.at("node").integer();
@@ -348,7 +348,7 @@ std::vector<ShownNode> shown_nodes(const GltfFile& file) {
     for (auto child = children.rbegin(); child != children.rend(); ++child)
       stack.push_back({*child, world, moves, here});
   }
-  // Without scenes every node hangs from a root, unless it is on a cycle.
+  // Without scenes every node descends from a root, unless it is on a cycle.
   if (!has_scenes && visits != count)
     for (std::size_t i = 0; i < count; ++i)
       if (!visited[i]) refuse(i);
@@ -357,7 +357,7 @@ std::vector<ShownNode> shown_nodes(const GltfFile& file) {
 
 namespace {
 
-/// World matrices of the nodes that show each mesh.
+/// World matrices of the nodes that reference each mesh.
 std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, std::size_t mesh_count) {
   std::vector<std::vector<Eigen::Matrix4d>> instances(mesh_count);
   for (const ShownNode& shown : shown_nodes(file)) {
@@ -373,11 +373,11 @@ std::vector<std::vector<Eigen::Matrix4d>> read_instances(const GltfFile& file, s
 
 namespace {
 
-/// In bytes, with what it takes to judge it. One primitive takes a few times what the file holds at most, but
-/// many may share that.
+/// Size in bytes, including the memory for judging it. A single primitive takes at most a few times the size
+/// of the file, but many may share that.
 std::uint64_t size_of(const Primitive& primitive, const std::optional<FloatMesh>& floats) {
   const auto bytes = [](const auto& values) { return values.size() * sizeof(values[0]); };
-  if (floats)  // as doubles, so that one limit does for all commands
+  if (floats)  // as doubles, so that one limit suits all commands
     return floats->vertices * (2 * sizeof(Vec3<double>) + sizeof(Vec2<double>)) +
            triangle_bytes * floats->triangles;
   const Mesh& mesh = primitive.data;
@@ -436,7 +436,7 @@ std::vector<MorphTarget> read_targets(const GltfFile& file, const JsonCursor& pr
   const std::string uvs = "TEXCOORD_" + std::to_string(texcoord);
   for (std::size_t i = 0; i < result.size(); ++i) {
     const JsonCursor target = targets.at(i);
-    // Positions, normals and uvs, and the tangents that are made of them, twice.
+    // Positions, normals and uvs, and the tangents computed from them, twice.
     budget.take(vertices * 4 * sizeof(Vec3<double>), target, "a morph target");
     const auto read = [&](const std::string& name, const char* type, auto& into) {
       if (target.has(name.c_str()))

@@ -35,7 +35,7 @@ void append_u32(std::string& bytes, std::size_t value) {
   bytes.append(reinterpret_cast<const char*>(&word), sizeof word);
 }
 
-/// The header of a chunk of a GLB, whose content is filled up to a multiple of 4 bytes.
+/// The header of a GLB chunk, whose content is padded to a multiple of 4 bytes.
 void append_chunk_header(std::string& glb, std::uint32_t type, std::size_t size) {
   append_u32(glb, round_up_4(size));
   append_u32(glb, type);
@@ -47,7 +47,7 @@ io::Piece copied(std::span<const T> values) {
   return io::Piece::of(std::string(as_bytes(values)));
 }
 
-/// The media type of an image by its first bytes, whatever the document states; empty when it is none.
+/// The media type of an image by its first bytes, whatever the document states; empty if unknown.
 std::string image_type(std::string_view bytes) {
   if (bytes.starts_with("\x89PNG")) return "image/png";
   if (bytes.starts_with("\xFF\xD8\xFF")) return "image/jpeg";
@@ -56,8 +56,8 @@ std::string image_type(std::string_view bytes) {
   return {};
 }
 
-/// Turns the URI of an image beside the file into a data URI; leaves the image as it is where that cannot be
-/// done, and says why.
+/// Turns the URI of an image beside the file into a data URI. If that is impossible, leaves the image as it
+/// is and returns the reason.
 std::optional<std::string> embed_image(const GltfFile& file, Json& image) {
   if (!image.is_object() || !image.contains("uri") || !image["uri"].is_string()) return std::nullopt;
   const std::string uri = image["uri"];
@@ -70,15 +70,15 @@ std::optional<std::string> embed_image(const GltfFile& file, Json& image) {
   } catch (const io::OutsideError&) {
     throw;
   } catch (const FileError& error) {
-    // Tangents do not depend on images: one that is missing is no reason to fail.
+    // Tangents do not depend on images, so a missing one is no reason to fail.
     const std::string why = error.what(), of_file = file.path + ": ";
     return why.starts_with(of_file) ? why.substr(of_file.size()) : why;
   }
   return std::nullopt;
 }
 
-/// The least and the greatest of each component, as the glTF's min and max; nothing when some component has
-/// no finite value.
+/// The minimum and maximum of each component, as glTF's min and max; none if some component has no finite
+/// value.
 std::optional<std::pair<Json, Json>> bounds(const io::Accessor& accessor) {
   Json least = Json::array(), greatest = Json::array();
   bool complete = true;
@@ -100,7 +100,7 @@ std::optional<std::pair<Json, Json>> bounds(const io::Accessor& accessor) {
   return complete ? std::optional(std::pair(least, greatest)) : std::nullopt;
 }
 
-/// A new accessor over the old one's elements source[0], source[1], ... Everything else of it is kept.
+/// A new accessor over the old one's elements source[0], source[1], ... Its other properties are kept.
 std::size_t append_remapped(GltfFile& file, std::size_t old_index, const io::Accessor& old, bool need_bounds,
                             std::span<const std::uint32_t> source) {
   const std::size_t size = old.element_bytes;
@@ -209,7 +209,7 @@ std::vector<io::Piece> GltfFile::glb_pieces(std::vector<std::string>* kept) cons
         kept->push_back("images[" + std::to_string(i) + "] keeps its URI '" +
                         (*images)[i]["uri"].get<std::string>() + "' and is not in the GLB: " + *why);
 
-  // All texts of the document were read as UTF-8; those a caller brought may not be.
+  // All strings of the document were validated as UTF-8 when read; those from a caller may be invalid.
   std::string text = document.dump(-1, ' ', false, Json::error_handler_t::replace);
   const std::size_t size = text.size();
   text.resize(round_up_4(size), ' ');
@@ -278,7 +278,7 @@ void GltfDocument::set_colours(std::size_t mesh, std::size_t primitive, std::spa
   const Json extras = io::parse_extras("set_colours", extras_json);
   const JsonCursor root = file_->root();
   for (const char* list : {"materials", "extensionsUsed"})
-    if (root.has(list)) root.at(list).size();  // refuses what is no array
+    if (root.has(list)) root.at(list).size();  // rejects anything but an array
 
   const auto place_in = [](Json& list, const Json& item) {
     const auto at = std::find(list.begin(), list.end(), item);
@@ -365,7 +365,7 @@ void GltfDocument::remap_vertices(std::size_t mesh, std::size_t primitive,
   check_range(source, "old vertex", vertices);
   check_range(indices, "index", source.size());
 
-  // Everything is read before anything is changed. An accessor that serves twice is copied once.
+  // Everything is read before anything is changed. A shared accessor is copied once.
   std::map<std::uint64_t, io::Accessor> old;
   const auto copied = [&](const std::string& key) { return !without_tangents || key != "TANGENT"; };
   const auto collect = [&](const JsonCursor& attributes) {

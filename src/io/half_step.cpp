@@ -10,12 +10,11 @@
 namespace darboux::io {
 namespace {
 
-// Without their signs.
+// Without the sign bit.
 constexpr int bits_of_a_byte = 7;
 constexpr int most_bits_of_floats = 11;  // steps of more are within the length that floats are allowed
 
-// The magnitudes that tell of steps, each once: without those that are 0 or 1 but for `error`, which all
-// steps have.
+// The magnitudes that give evidence of a step, each once: those that are 0 or 1 up to `error` fit every step.
 template <class T>
 std::vector<double> magnitudes(const Accessor& accessor, double largest, double error) {
   constexpr std::size_t enough = 4096;
@@ -31,9 +30,9 @@ std::vector<double> magnitudes(const Accessor& accessor, double largest, double 
   return result;
 }
 
-// The fewest bits with which all numbers, known up to `error`, are multiples of 1 / (2^bits - 1); 0 where
-// these are more than `most_bits`, or the numbers are likely to be such multiples by chance. \param
-// least_surprise that they are has at most a probability of 2^-least_surprise
+// The fewest bits for which all numbers, known up to `error`, are multiples of 1 / (2^bits - 1); 0 if that
+// takes more than `most_bits`, or if they are likely to be such multiples by chance. \param least_surprise
+// the probability of chance is at most 2^-least_surprise
 int fewest_bits(const std::vector<double>& numbers, int most_bits, double error, double least_surprise) {
   for (int bits = bits_of_a_byte; bits <= most_bits; ++bits) {
     const double steps = std::ldexp(1.0, bits) - 1, apart = error * steps;
@@ -45,8 +44,8 @@ int fewest_bits(const std::vector<double>& numbers, int most_bits, double error,
   return 0;
 }
 
-// Whether all numbers are half floats: of 11 significant bits, or of fewer below 2^-14. A number of 24 bits
-// is with a probability of 2^-13.
+// Whether all numbers are half floats: of 11 significant bits, or of fewer below 2^-14. The probability that
+// a number of 24 bits is one is 2^-13.
 bool are_half_floats(const std::vector<double>& numbers, double least_surprise) {
   if (13 * static_cast<double>(numbers.size()) < least_surprise) return false;
   return std::all_of(numbers.begin(), numbers.end(), [](double x) {
@@ -55,8 +54,8 @@ bool are_half_floats(const std::vector<double>& numbers, double least_surprise) 
   });
 }
 
-// Whether all numbers are odd multiples of 1 / (2^bits - 1): of integers without a sign, of which the middle
-// is 0. \pre They are multiples
+// Whether all numbers are odd multiples of 1 / (2^bits - 1): of unsigned integers whose middle is 0. \pre
+// They are multiples
 bool are_odd(const std::vector<double>& numbers, int bits) {
   const double steps = std::ldexp(1.0, bits) - 1;
   return std::all_of(numbers.begin(), numbers.end(),
@@ -94,8 +93,9 @@ double half_step_of_directions(const Accessor& accessor) {
       if (spread > bits_of_a_byte && are_odd(numbers, spread)) bits = spread - 1;
       if (bits == 0 && are_half_floats(numbers, least_surprise)) of_half_floats = 0x1p-12;
     } else if (accessor.normalized && sizeof(T) < 4) {
-      // Tools round to the nearest integer, or repeat the bits below themselves, which is less than one off.
-      // A box has one magnitude to tell by. Taken for a step by chance, it allows a wrong length of 1 %.
+      // Tools round to the nearest integer, or fill the low bits by repeating the high ones, which is off by
+      // less than one. A box has only one magnitude as evidence. If it is taken for a step by chance, a wrong
+      // length of 1 % is accepted.
       constexpr double largest = std::numeric_limits<T>::max(), error = 1.001 / largest, least_surprise = 2;
       bits = fewest_bits(magnitudes<T>(accessor, largest, error), std::numeric_limits<T>::digits - 1, error,
                          least_surprise);

@@ -55,7 +55,7 @@ class JsonCursor {
   [[noreturn]] void fail(const std::string& expected, const std::string& got) const {
     refuse(expected_got(expected, got));
   }
-  /// The same, with the value itself as what was found.
+  /// The same, with the value itself as the text after "got".
   [[noreturn]] void fail(const std::string& expected) const { fail(expected, shown()); }
 
   /// The value for a message: numbers in full, texts quoted, otherwise the type.

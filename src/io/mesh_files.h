@@ -17,7 +17,7 @@ inline Vec4<double> with_side(const Vec3<double>& n, const Vec3<double>& t, cons
   return {t.x, t.y, t.z, side > 0 ? 1.0 : side < 0 ? -1.0 : 0.0};
 }
 
-/// What assimp reads.
+/// The formats read through assimp.
 enum class AssimpFormat { obj, fbx };
 /// OBJ and FBX, by assimp in a separate process.
 Asset read_with_assimp(const std::string& path, const std::string& bytes, AssimpFormat format,

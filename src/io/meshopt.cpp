@@ -14,9 +14,8 @@ namespace {
 
 constexpr const char* meshopt_extension = "EXT_meshopt_compression";
 
-// Bytes that one byte of a stream stands for at most. Attributes keep 2 bits of header for 16 bytes;
-// triangles one byte for three indices, 12 bytes; other indices one byte each, 4 bytes. (Appendix A of the
-// extension)
+// The most bytes that one byte of a stream expands to. Attributes have 2 header bits per 16 bytes; triangles
+// one byte per three indices, 12 bytes; other indices one byte each, 4 bytes. (Appendix A of the extension)
 constexpr std::uint64_t most_expansion = 64;
 
 const unsigned char* data(std::string_view bytes) {
@@ -54,7 +53,7 @@ const auto& find_kind(const Kinds& kinds, const JsonCursor& name) {
   name.fail("one of " + list);
 }
 
-/// \param left bytes that may still be decoded, decoded ones are taken off
+/// \param left number of bytes that may still be decoded; reduced by those decoded here
 std::string decode(const GltfFile& file, const JsonCursor& view, const JsonCursor& compressed,
                    std::uint64_t& left, Budget& budget) {
   const Mode& mode = find_kind(modes, compressed.at("mode"));
@@ -99,7 +98,7 @@ std::string decode(const GltfFile& file, const JsonCursor& view, const JsonCurso
   return bytes;
 }
 
-/// Takes away buffers without data that no bufferView reads, and renumbers those that stay.
+/// Removes buffers without data that no bufferView reads, and renumbers the others.
 void remove_placeholders(GltfFile& file) {
   std::vector<bool> read(file.buffers.size(), false);
   std::vector<Json*> numbers;

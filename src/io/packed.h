@@ -1,5 +1,5 @@
 /// \file packed.h
-/// What a file holds as bytes, from one process to another.
+/// Serialises the content of a file, to pass it from one process to another.
 #pragma once
 
 #include <cstring>
@@ -13,7 +13,7 @@
 
 namespace darboux::io {
 
-/// Appends what it visits.
+/// Appends every visited value.
 struct Pack {
   std::string bytes;
 
@@ -35,7 +35,7 @@ struct Pack {
   }
 };
 
-/// Fills in what it visits from bytes that Pack made. \throws ChildFailure where they end early
+/// Fills in every visited value from bytes made by Pack. \throws ChildFailure if they end early
 struct Unpack {
   std::string_view bytes;
 

@@ -26,7 +26,7 @@ struct PlyHeader {
   std::vector<Table>::const_iterator table(std::string_view name) const {
     return std::find_if(tables.begin(), tables.end(), [&](const Table& t) { return t.name == name; });
   }
-  /// \throws FileError where there are none
+  /// \throws FileError if there are none
   std::vector<Table>::const_iterator vertices(const std::string& path) const {
     const auto found = table("vertex");
     if (found == tables.end())
@@ -90,7 +90,7 @@ PlyHeader read_header(Lines& lines, const std::string& path) {
   return {*encoding, std::move(tables)};
 }
 
-// The field that is a list of one of these names, else the number of fields.
+// The field that is a list with one of these names, else the number of fields.
 std::size_t list_named(const Table& table, std::initializer_list<std::string_view> names) {
   std::size_t k = 0;
   while (k < table.fields.size() &&
@@ -119,7 +119,7 @@ struct FacePlace {
   }
 };
 
-// \param corner_uvs gets those of the triangles' corners, where faces have their own
+// \param corner_uvs receives those of the triangles' corners, if faces have their own
 void read_faces(RowReader& rows, const Table& table, const std::string& path, std::uint64_t vertices,
                 Budget& budget, Mesh& mesh, std::vector<Vec2<double>>& corner_uvs) {
   const std::size_t corners_at = list_named(table, {"vertex_indices", "vertex_index"}),
@@ -162,7 +162,7 @@ void read_faces(RowReader& rows, const Table& table, const std::string& path, st
   }
 }
 
-// A vertex for each corner, so that each has its uv.
+// A mesh with one vertex per corner, so that each has its own uv.
 Mesh with_corner_uvs(const Mesh& mesh, std::vector<Vec2<double>> corner_uvs) {
   Mesh result;
   for (const Triangle& triangle : mesh.triangles) {

@@ -8,7 +8,7 @@
 
 namespace darboux::io {
 
-// What libpng's error pointer points to. No exception passes through libpng: its errors jump.
+// The target of libpng's error pointer. No exception passes through libpng, whose errors are longjmps.
 struct PngFailure {
   std::jmp_buf jump;
   char message[128] = "";

@@ -1,4 +1,4 @@
-// What all readers of points share, and the choice of the reader for a file.
+// Code shared by all readers of points, and the choice of the reader for a file.
 #include "points.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace darboux::io {
 namespace {
 
-// Names of what belongs together, and its first place among the PointNumbers.
+// Names of a group of columns, and the index of the first in PointNumbers.
 struct Group {
   std::vector<std::string_view> names;
   int first;

@@ -20,7 +20,7 @@ namespace darboux::io {
 /// The numbers of a point: x y z, nx ny nz, u v.
 using PointNumbers = std::array<double, 8>;
 
-/// What the columns of a file hold.
+/// The content of a file's columns.
 struct PointColumns {
   std::vector<int> slots;  ///< for each column its index in PointNumbers, or -1
   bool normals = false, uvs = false;

@@ -32,8 +32,7 @@ Type pcd_type(std::string_view kind, std::uint64_t bytes, const Lines& lines) {
   lines.fail("TYPE " + in_quotes(kind) + " of SIZE " + std::to_string(bytes) + ", which is not a PCD type");
 }
 
-// Data that PCL compressed with LZF: two counts of bytes, and behind them for each field its numbers of all
-// points.
+// Data that PCL compressed with LZF: two byte counts, followed for each field by its numbers of all points.
 std::string decompressed(PointReader& reader, std::uint64_t expected) {
   InputBytes& bytes = reader.bytes();
   std::array<unsigned char, 8> head{};
@@ -50,7 +49,7 @@ std::string decompressed(PointReader& reader, std::uint64_t expected) {
   if (whole != expected)
     throw FileError(reader.path(), "expected " + std::to_string(expected) + " bytes of points, got " +
                                        std::to_string(whole));
-  // Three bytes stand for 264 at most.
+  // Three bytes expand to at most 264.
   if (whole / 88 > packed)
     throw FileError(reader.path(), "expected at least " + std::to_string(whole / 88) +
                                        " compressed bytes for " + std::to_string(whole) + ", got " +
@@ -71,7 +70,7 @@ struct PcdHeader {
   bool compressed = false;
 };
 
-// What the lines of a header say, before it is judged.
+// The lines of a header as read, before validation.
 struct PcdLines {
   std::vector<std::string> names, kinds;
   std::vector<std::uint64_t> sizes, counts;
@@ -147,7 +146,7 @@ PcdHeader read_header(PointReader& reader, Lines& lines) {
   return result;
 }
 
-// Of each field the numbers of all points, one field after the other.
+// For each field the numbers of all points, one field after the other.
 void read_compressed(PointReader& reader, const Lines& lines, const PcdHeader& header,
                      const PointColumns& columns) {
   const auto& [table, sizes, counts, encoding, compressed] = header;

@@ -15,7 +15,7 @@
 namespace darboux::io {
 namespace {
 
-// Whether the first field that is not empty is a name; a number that is misspelt is none.
+// Whether the first non-empty field is a name; a misspelt number is not.
 bool is_header(const std::vector<std::string_view>& fields) {
   const auto first =
       std::find_if(fields.begin(), fields.end(), [](std::string_view field) { return !field.empty(); });
@@ -26,8 +26,9 @@ bool is_header(const std::vector<std::string_view>& fields) {
 
 constexpr std::string_view opening = "[({", closing = "])}", brackets = "[({])}";
 
-// The names of a header, or of a comment that may be one. A unit is none, be it "x [mm]", "x[mm]" or between
-// blanks; other brackets, as about "[nx ny nz]", are no part of a name. With a unit a name is not another's.
+// The names of a header, or of a comment that may be one. A unit is not part of a name, be it "x [mm]",
+// "x[mm]" or between blanks; nor are other brackets, as in "[nx ny nz]". If another column has the same name
+// without a unit, the unit is kept in the name.
 std::vector<std::string> names_of(std::string_view line, char separator) {
   std::vector<std::string_view> fields;
   split_row(line, separator, fields);
@@ -35,7 +36,7 @@ std::vector<std::string> names_of(std::string_view line, char separator) {
     return field.size() > 2 && opening.find(field.front()) != std::string_view::npos &&
            closing.find(field.back()) != std::string_view::npos;
   };
-  // Each of x, y and z has one, and none stands alone.
+  // Each of x, y and z has a unit, and none stands alone.
   std::size_t units = 0, alone = 0;
   for (std::size_t k = 0; k < fields.size(); ++k)
     if (in_brackets(fields[k])) ++(k > 0 && !in_brackets(fields[k - 1]) ? units : alone);
@@ -58,14 +59,14 @@ PointColumns named_columns(std::string_view line, char separator, const PointRea
   return PointColumns::named(names_of(line, separator), reader.path() + ":" + std::to_string(lines.number()));
 }
 
-// What is no normal may be a colour; nothing, zero and what is not finite stand for one that is not known.
+// Numbers that cannot be a normal may be a colour; zeros and non-finite numbers stand for an unknown normal.
 bool may_be_normal(const PointNumbers& p) {
   const double square = p[3] * p[3] + p[4] * p[4] + p[5] * p[5];
   return !std::isfinite(square) || square == 0 || (square > 0.81 && square < 1.21);
 }
 
-// The columns of a table without a header: those of other counts are positions with something behind them, as
-// scanners write intensities.
+// The columns of a table without a header, by their number: other numbers mean positions followed by other
+// data, such as a scanner's intensities.
 std::optional<PointColumns> counted_columns(std::size_t count) {
   if (count == 5) return PointColumns{{0, 1, 2, 6, 7}, false, true};
   if (count == 6) return PointColumns{{0, 1, 2, 3, 4, 5}, true, false};
@@ -75,7 +76,7 @@ std::optional<PointColumns> counted_columns(std::size_t count) {
   for (const int k : {0, 1, 2}) result.slots[static_cast<std::size_t>(k)] = k;
   return result;
 }
-// Whether x goes up by one from point to point: a column of row numbers.
+// Whether x increases by one from point to point: a column of row numbers.
 bool counts_rows(const std::vector<Vec3<double>>& points) {
   constexpr std::size_t enough = 3;
   for (std::size_t i = 1; i < points.size(); ++i)
@@ -161,8 +162,8 @@ PointFile read_table(PointReader& reader) {
 
 namespace {
 
-// A corner of an OBJ's face: "7", "7/2", "7//3" or "7/2/3", each counted from 1, or from the last with a
-// minus. Indices from 0; none where it is left out.
+// A corner of an OBJ face: "7", "7/2", "7//3" or "7/2/3", each counted from 1, or backwards from the last if
+// negative. Indices from 0; none if omitted.
 struct ObjCorner {
   std::array<std::optional<std::size_t>, 3> index;
 };
@@ -243,7 +244,7 @@ PointFile read_obj_points(PointReader& reader) {
     }
   for (std::size_t i = 0; i < used.size(); ++i) {
     PointNumbers point;
-    point.fill(std::numeric_limits<double>::quiet_NaN());  // what no face uses may have no attributes
+    point.fill(std::numeric_limits<double>::quiet_NaN());  // unused vertices may have no attributes
     const auto take = [&](std::size_t k, std::uint32_t index) {
       if (index == none) return;
       std::copy_n(values[k].begin() + static_cast<std::ptrdiff_t>(index * width[k]), width[k],

@@ -23,8 +23,8 @@ std::span<const std::string_view> asset_extensions() {
 
 namespace {
 
-// Half a step of the decimals with which somebody wrote unit vectors, two to four, as "0.577 0.577 0.577"; 0
-// where there are more or fewer: one decimal is exact.
+// Half a step of unit vectors written with two to four decimals, such as "0.577 0.577 0.577"; 0 if there are
+// more or fewer: one decimal is exact.
 template <class Vector>
 double half_step_of_decimals(const std::vector<Vector>& directions) {
   int most = 0;
@@ -40,13 +40,14 @@ double half_step_of_decimals(const std::vector<Vector>& directions) {
   return most < 2 ? 0 : 0.5 * std::pow(10, -most);
 }
 
-// Lengths that rounding explains stay, to the bit.
+// Lengths that rounding explains are kept, to the bit.
 void make_unit(std::vector<Vec3<double>>& normals, double half_step) {
   for (Vec3<double>& n : normals)
     if (!is_unit(n, half_step) && detail::finite(n) && n != Vec3<double>{}) n = unit(n);
 }
 
-// Whether the file holds decimals: OBJ, Collada, ASCII PLY and ASCII STL. Others round as their numbers do.
+// Whether the file contains decimals: OBJ, Collada, ASCII PLY and ASCII STL. Other formats round as their
+// number types do.
 bool is_text(const std::string& path) {
   const std::string extension = extension_of(path);
   if (extension == ".obj" || extension == ".dae") return true;

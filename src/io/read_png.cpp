@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::uint64_t most_texels = std::uint64_t{1} << 28, most_interlaced = std::uint64_t{1} << 24;
 
-// What libpng's callbacks see.
+// The state seen by libpng's callbacks.
 struct Source {
   std::string_view bytes;
   PngFailure failure{};
@@ -52,7 +52,7 @@ void note_colour_tag(png_structp png, png_infop info, Header& header) {
     std::snprintf(header.tag, sizeof header.tag, "gAMA %d.%05d", gamma / PNG_FP_1, gamma % PNG_FP_1);
 }
 
-// The steps that libpng may leave by longjmp: they own nothing.
+// The steps that libpng may leave by longjmp, so they own nothing.
 bool read_header(png_structp png, png_infop info, Source& source, bool keep_alpha, Header& header) {
   if (setjmp(source.failure.jump) != 0) return false;
   png_read_info(png, info);
@@ -134,7 +134,7 @@ void read_rows(const std::string& file, const std::string& what, std::string_vie
     fail("one of " + std::to_string(seen.width) + " x " + std::to_string(seen.height) + ", more than " +
          std::to_string(most) + " texels");
   if (on_header) on_header(seen);
-  // Of interlaced images each pass writes some texels of every row.
+  // In interlaced images each pass writes some texels of every row.
   std::vector<unsigned char> pixels(header.row_bytes * (interlaced ? seen.height : 1));
   const auto row = [&](std::size_t y) { return pixels.data() + (interlaced ? y * header.row_bytes : 0); };
   for (int pass = 0; interlaced && pass < header.passes; ++pass)

@@ -23,7 +23,7 @@ double decode(Type type, const char* at, Encoding encoding);
 struct Field {
   std::string name;
   Type type;
-  std::optional<Type> list_count = std::nullopt;  // a list: so many numbers after their count
+  std::optional<Type> list_count = std::nullopt;  // a list: a count, followed by that many numbers
 };
 
 // Rows of the same fields.

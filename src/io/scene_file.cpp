@@ -24,7 +24,7 @@ namespace darboux::io {
 namespace {
 
 constexpr std::uintmax_t most_scene_bytes = std::uintmax_t{128} << 20;
-constexpr double most_condition = 1e12;  // of a placement, as plan_scene() has it
+constexpr double most_condition = 1e12;  // of a placement, as in plan_scene()
 
 // Random numbers of splitmix64 (S. Vigna, in the public domain): the same on every machine.
 class SplitMix {
@@ -250,7 +250,7 @@ class SceneReader {
       const JsonCursor rotation = value.at("rotation");
       const auto q = number_list<4>(rotation);
       const Eigen::Quaterniond quaternion(q[3], q[0], q[1], q[2]);
-      // Digits that someone cut short are meant to be of length 1.
+      // A quaternion with rounded components is meant to have length 1.
       if (const double length = quaternion.norm(); !(std::fabs(length - 1) < 1e-3))
         rotation.fail("a quaternion x, y, z, w of length 1", "one of length " + rounded(length, 4));
       placement.linear() = quaternion.normalized().toRotationMatrix();
@@ -272,7 +272,7 @@ class SceneReader {
     return placement;
   }
 
-  // The indices of what a list names, or of all.
+  // The indices of the names in a list, or all indices.
   std::vector<std::uint32_t> named(const JsonCursor& owner, const char* key, const Names& names) {
     std::vector<std::uint32_t> result;
     if (owner.has(key)) {

@@ -36,7 +36,7 @@ class SceneTiles {
   const Scene& scene_;
   std::vector<std::string> surface_names_;
   std::unique_ptr<GltfFile> file_;
-  std::map<std::uint32_t, std::size_t> materials_;  // of the scene, by what they are in the file
+  std::map<std::uint32_t, std::size_t> materials_;  // index in the file by material of the scene
 };
 
 }  // namespace darboux::io

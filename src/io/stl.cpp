@@ -17,7 +17,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary numbers are copied as they are");
 
-// What is found in a file, in its order: three corners per triangle.
+// The content of a file in order: three corners per triangle.
 struct StlParts {
   std::function<void(std::string_view name)> solid;
   std::function<void(const PointNumbers& corner, std::string_view where, std::uint64_t number)> corner;
@@ -60,7 +60,7 @@ void read_text(InputBytes& bytes, const StlParts& parts) {
   if (!ended) throw FileError(bytes.path(), expected_got("a whole STL file", "one without its endsolid"));
 }
 
-// Binary files may begin with "solid" too: their size tells.
+// Binary files may begin with "solid" too; the file size distinguishes them.
 void read_parts(InputBytes& bytes, const StlParts& parts) {
   const std::uint64_t size = bytes.size().value_or(0);
   std::array<char, 84> start{};

@@ -51,7 +51,7 @@ double positive(const JsonCursor& place) {
   return x;
 }
 
-// An array of exactly, or at least, so many.
+// The size of an array, which must be from `least` to `most`.
 std::size_t count(const JsonCursor& place, std::size_t least, std::size_t most, const std::string& of) {
   const std::size_t n = place.size();
   if (n < least || n > most)
@@ -109,7 +109,7 @@ int read_degree(const JsonCursor& place) {
   return static_cast<int>(place.integer(1, max_spline_degree));
 }
 
-// The knots under a key for so many control points, or clamped ones.
+// The knots under a key for this number of control points; clamped ones by default.
 std::vector<double> read_knots(const JsonCursor& document, const char* key, int degree, std::size_t points) {
   if (!document.has(key)) return clamped_knots(degree, static_cast<int>(points));
   const JsonCursor place = document.at(key);

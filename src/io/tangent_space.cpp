@@ -6,8 +6,8 @@
 namespace darboux::io {
 namespace {
 
-// A property of a material that reads the tangent frame: the texture, in the extension or, where that is
-// null, in the material itself.
+// A property of a material that reads the tangent frame: its texture in the extension, or in the material
+// itself if `extension` is null.
 struct Rule {
   std::string_view name;
   const char *extension, *texture;
@@ -33,8 +33,8 @@ std::uint64_t texcoord(const JsonCursor& texture) {
   return texture.has("texCoord") ? texture.at("texCoord").integer(0, most_sets) : 0;
 }
 
-// uv' = translation rotation scale uv, the rotation counter-clockwise in a space whose v runs down, as the
-// extension has it.
+// uv' = translation rotation scale uv, the rotation counter-clockwise with v running down, as in the
+// extension.
 std::optional<std::array<double, 6>> transform_of(const JsonCursor& texture) {
   const auto transform = texture.extension("KHR_texture_transform");
   if (!transform) return std::nullopt;
@@ -51,7 +51,7 @@ std::optional<std::array<double, 6>> transform_of(const JsonCursor& texture) {
   return std::array<double, 6>{c * scale[0], s * scale[1], -s * scale[0], c * scale[1], offset[0], offset[1]};
 }
 
-// Whether a number that scales a property is 0 and stays so.
+// Whether a factor of a property is 0 and not animated.
 bool is_zero(const JsonCursor& owner, const char* key, double fallback, const std::string& pointer,
              const SwitchedOff& off) {
   const double value = owner.has(key) ? owner.at(key).number() : fallback;

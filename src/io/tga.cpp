@@ -39,7 +39,7 @@ class Bytes {
   std::string_view bytes_;
 };
 
-// Whether all texels are there: stb takes zeros for what is not.
+// Whether all texels are present: stb fills in zeros for missing ones.
 bool is_whole(const Bytes& bytes, std::size_t texels, std::size_t texel_bytes, bool run_length) {
   std::size_t at = header_size + bytes.u8(0);
   if (!run_length) return bytes.size() >= at && (bytes.size() - at) / texel_bytes >= texels;
@@ -52,7 +52,7 @@ bool is_whole(const Bytes& bytes, std::size_t texels, std::size_t texel_bytes, b
   return at <= bytes.size();
 }
 
-// The gamma of the extension area, 0 where there is none.
+// The gamma of the extension area; 0 if there is none.
 double gamma_of(const Bytes& bytes) {
   constexpr std::size_t footer = 26, gamma_at = 478;
   if (bytes.size() < header_size + footer) return 0;

@@ -8,8 +8,8 @@
 namespace darboux::io {
 namespace {
 
-// Whoever holds it has signals blocked, so that the handler, which takes it for good, never waits for its own
-// thread.
+// Whoever holds it has signals blocked, so the handler, which takes it and never releases it, cannot wait for
+// its own thread.
 std::atomic_flag busy;
 pid_t owner = 0;  // a child removes nothing of its parent's
 
@@ -24,7 +24,7 @@ void take() {
   }
 }
 
-// Nothing here but what POSIX allows in a handler: the set is read and not changed.
+// Only calls that POSIX permits in a handler: the set is read, not changed.
 void end_process(int signal) {
   if (::getpid() == owner) {
     take();
@@ -62,7 +62,7 @@ void remove_unfinished_on_signals() {
   action.sa_handler = end_process;
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   ::sigfillset(&action.sa_mask);
-  // Signals that end no process, and the one that nobody can catch.
+  // Signals that end no process, and SIGKILL, which cannot be caught.
   const std::set<int> others{SIGKILL, SIGXFSZ, SIGCHLD, SIGCONT, SIGSTOP,
                              SIGTSTP, SIGTTIN, SIGTTOU, SIGURG,  SIGWINCH};
   for (int signal = 1; signal < NSIG; ++signal) {

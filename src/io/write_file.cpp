@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
                                                              std::strerror(error)));
 }
 
-// The descriptor of this process that a path is another name of.
+// The descriptor of this process to which a path refers, if any.
 std::optional<int> descriptor_named(const std::string& path) {
   if (path == "-" || path == "/dev/stdout") return STDOUT_FILENO;
   if (path == "/dev/stderr") return STDERR_FILENO;
@@ -40,7 +40,7 @@ std::optional<int> descriptor_named(const std::string& path) {
   return std::nullopt;
 }
 
-// Where symbolic links lead, whether or not there is a file; no further than to a descriptor's name.
+// The target of symbolic links, whether or not it exists; stops at the name of a descriptor.
 std::string followed(std::string path) {
   std::error_code error;
   for (int links = 0; links < 40 && !descriptor_named(path); ++links) {
@@ -51,8 +51,8 @@ std::string followed(std::string path) {
   return path;
 }
 
-// Calls `make` with names beside the target, hidden and never tried before, until one is free. \returns the
-// name, which is unfinished; or none, and errno says why
+// Calls `make` with hidden, unused names beside the target until one is free. \returns the name, registered
+// as unfinished; or none, with the reason in errno
 template <class F>
 std::string make_temporary(const std::string& target, const F& make) {
   static std::size_t count = 0;  // Uninterrupted guards it
@@ -69,12 +69,13 @@ std::string make_temporary(const std::string& target, const F& make) {
   }
 }
 
-// Where the system shows the name of an open file, by which it can be given others.
+// The name under which the system shows an open file, by which it can be linked to other names.
 std::string name_in_proc(int descriptor) {
   return "/proc/self/fd/" + std::to_string(descriptor);
 }
 
-// A file that has no name yet, which nothing can leave behind; -1 where the file system has none.
+// A file without a name, which leaves nothing behind if it is abandoned; -1 if the file system does not
+// support that.
 int open_without_name(const std::string& target) {
 #ifdef O_TMPFILE
   const fs::path folder = fs::path(target).parent_path();
@@ -87,20 +88,20 @@ int open_without_name(const std::string& target) {
   return -1;
 }
 
-// Mode and, where permitted, owner and group.
+// Copies mode and, where permitted, owner and group.
 void keep_attributes(int descriptor, const struct stat& old) {
   struct stat now {};
   ::fstat(descriptor, &now);
   mode_t mode = old.st_mode & 07777;
   if ((now.st_uid != old.st_uid || now.st_gid != old.st_gid) &&
       ::fchown(descriptor, old.st_uid, old.st_gid) != 0)
-    // Not permitted: it belongs to whoever writes it, as a new file would. Another group gets no more than
-    // all had, and no one the rights of another owner.
+    // Not permitted: the file belongs to the writer, as a new file would. Another group gets no more rights
+    // than everybody had, and nobody gets the rights of another owner.
     mode = (mode & 0707) | (mode & 0070 & (mode << 3));
   ::fchmod(descriptor, mode);
 }
 
-// Writes all of it. \returns 0, or what went wrong
+// Writes everything. \returns 0, or the error number
 int write_all(int descriptor, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
@@ -112,7 +113,7 @@ int write_all(int descriptor, std::string_view bytes) {
   return 0;
 }
 
-// The whole of a file into another, and onto the disk. \returns 0, or what went wrong
+// Copies a file to another and syncs it to disk. \returns 0, or the error number
 int copy_bytes(int from, int to) {
   std::string buffer(std::size_t{1} << 20, '\0');
   for (off_t at = 0;;) {
@@ -150,7 +151,7 @@ OutputFile::OutputFile(const std::string& path) : path_(path) {
     if (descriptor_ < 0) fail(path_, errno);
     return;
   }
-  // A folder may permit to replace what may not be written to. That is not what its owner wanted.
+  // A folder may permit replacing a read-only file. That is not what its owner wanted.
   if (exists && ((old.st_mode & 0222) == 0 || ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0))
     throw FileError(
         path, "cannot be replaced: " + expected_got("a file that may be written to", "a read-only one"));

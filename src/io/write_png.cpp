@@ -19,7 +19,7 @@
 namespace darboux::io {
 namespace {
 
-// What libpng's callbacks see.
+// The state seen by libpng's callbacks.
 struct Target {
   OutputFile& file;
   PngFailure failure{};
@@ -39,7 +39,7 @@ void on_write(png_structp png, png_bytep bytes, std::size_t count) {
 
 void on_flush(png_structp) {}
 
-// The steps that libpng may leave by longjmp: they own nothing.
+// The steps that libpng may leave by longjmp, so they own nothing.
 bool write_header(png_structp png, png_infop info, Target& target, const Image& image) {
   if (setjmp(target.failure.jump) != 0) return false;
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),

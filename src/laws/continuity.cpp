@@ -24,16 +24,16 @@ double change(const Derivative& d, const End& a, const End& b) {
   return norm(partial(b.j, d.of) - partial(a.j, d.of));
 }
 
-// What the trapezoidal rule leaves of the change of partial `of`, whose derivative is partial `is`: of a
-// smooth one an eighth remains when the interval is halved, of a jump all.
+// The error of the trapezoidal rule for the change of partial `of`, whose derivative is partial `is`: when
+// the interval is halved, an eighth remains of a smooth one, and all of a jump.
 double remainder(const Derivative& d, const End& a, const End& b) {
   const Vec3<double> all = partial(b.j, d.of) - partial(a.j, d.of);
   return norm(all - (b.x - a.x) / 2 * (partial(a.j, d.is) + partial(b.j, d.is)));
 }
 
-// What is left of the change between neighbours; an infinite derivative leaves no remainder. Above `bound`
-// less by what the change was larger ten halvings before: nothing of |x|^a with a >= 0.1, whose neighbours
-// may differ by much, all of a jump.
+// The remainder of the change between neighbours; all of it if a derivative is infinite. Above `bound` it is
+// reduced by the decrease of the change over ten halvings: this leaves nothing of |x|^a with a >= 0.1, whose
+// neighbours may differ by much, and all of a jump.
 double jump_of(const std::vector<double>& changes, double remainder, double bound) {
   constexpr std::size_t halvings = 10;
   const double last = changes.back(), left = remainder <= last ? remainder : last;
@@ -42,7 +42,7 @@ double jump_of(const std::vector<double>& changes, double remainder, double boun
   return before > last && before < infinity ? std::fmax(left - (before - last), 0) : left;
 }
 
-// NaN is the worst.
+// NaN counts as the largest.
 bool less(double x, double y) {
   return !(y <= x) && !std::isnan(x);
 }
@@ -81,7 +81,7 @@ void check_continuity(const AnySurface& surface, const Points& points, Checks& c
             largest = std::fmax(largest, size);
         const double scale = d.of == 0 && extent > 0 ? extent : largest,
                      bound = worst_estimate + 16 * unit_roundoff * largest / scale;
-        std::size_t worst = 0;  // whose jump is followed to the end, so that it is known
+        std::size_t worst = 0;  // the interval whose jump is always refined to the end
         for (std::size_t i = 1; i + 1 < ends.size(); ++i)
           if (less(remainder(d, ends[worst], ends[worst + 1]), remainder(d, ends[i], ends[i + 1]))) worst = i;
         double error = 0, where = ends[worst].x;

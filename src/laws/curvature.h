@@ -1,4 +1,4 @@
-// What the laws of curvature share: the facts that a surface states of it, and the theorems.
+// Common code of the laws of curvature: the facts that a surface states about it, and the theorems.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace darboux::laws {
 
-// What a point knows for the laws of curvature, and the sizes of the terms that rounding is relative to.
+// The data of a point for the laws of curvature, and the sizes of the terms to which rounding is relative.
 struct Curved {
   Curvature<double> c;
   ShapeOperator<double> s;
@@ -33,8 +33,7 @@ struct Curved {
   double mean_error() const { return 64 * unit_roundoff * condition * (a + cc); }
 };
 
-// A fact or theorem in one number per point: what one side says, what the other says, the error rounding
-// explains.
+// A fact or theorem as one number per point: the values of both sides, and the error that rounding explains.
 struct Pair {
   double u, v, one, other, error;
 };

@@ -45,7 +45,7 @@ namespace {
 using Differentiate =
     std::function<DerivativeEstimate<>(const std::function<Vec3<double>(double)>&, double x, double length)>;
 
-// The length over which the surface varies like a whole turn, at most 1: 2π times the ratio of the first to
+// The length over which the surface varies like a full period, at most 1: 2π times the ratio of the first to
 // the second derivative along u or v, or of the second to the third, rounded to a power of two.
 double variation(const Points& points, int along) {
   const std::size_t one = along == 0 ? 1 : 2, two = along == 0 ? 3 : 5;
@@ -87,8 +87,8 @@ void compare_numeric(const AnySurface& surface, const Points& points, std::strin
         }
         if (stretch == 0) continue;
         const DerivativeEstimate<> numeric = differentiate(along, d.along == 0 ? u : v, stretch);
-        // Four times the estimate: it is no bound, and it cannot see that a formula has rounded more than
-        // once. The closed form's own error is 8u (1 + condition).
+        // Four times the estimate, since it is not a bound and does not include repeated rounding in the
+        // formula. The closed form's own error is 8u (1 + condition).
         const double bound = 4 * numeric.error / points.scale[is] + 8 * unit_roundoff * (1 + condition);
         if (bound <= worst_estimate)
           law.compare(norm(numeric.value - closed) / points.scale[is], bound, u, v);

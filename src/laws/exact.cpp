@@ -15,7 +15,7 @@ double difference(const ExactFrame& a, const ExactFrame& b) {
   return norm(rounded(a.t - b.t)) + norm(rounded(a.n - b.n));
 }
 
-// The share of one input in a frame's condition; none where the frame beside it does not exist.
+// The share of one input in a frame's condition; none if the frame next to it does not exist.
 double change(const ExactFrame& moved, const ExactFrame& at) {
   const double d = difference(moved, at) / relative_change;
   return std::isnan(d) ? 0 : d;
@@ -35,7 +35,7 @@ const Multiprecision& tiny() {
   return value;
 }
 
-// How far apart the sizes of the parameters are.
+// The ratio of the largest size of a parameter to the smallest.
 double spread(const AnySurface& surface) {
   double smallest = infinity, largest = 0;
   for (const ParameterValue& p : surface.parameters())
@@ -58,10 +58,10 @@ std::array<double, 3> errors_of(const Frame<S>& f, const ExactFrame& e) {
   return {largest_difference(f.t, e.t), largest_difference(f.b, e.b), largest_difference(f.n, e.n)};
 }
 
-// The limit along the given u (or v): from inside the domain, from either side of a point within it. At
-// zero a distance may be as small as one likes; elsewhere 40 digits leave 1e-18, which is too coarse
-// for parameters of very different sizes. Where two such distances still give different frames, the
-// limit is approached as by a root, and no distance shows it.
+// The limit along the given u (or v): from inside the domain, from either side of a point within it. At zero
+// a distance may be arbitrarily small; elsewhere 40 digits allow 1e-18, which is too coarse for parameters of
+// very different sizes. If two such distances still give different frames, the limit is approached like a
+// root, and no distance shows it.
 template <class S>
 Nearest nearest_limit(const AnySurface& surface, const Vec2<double>& uv, const Frame<S>& f) {
   constexpr double roundoff = std::numeric_limits<S>::epsilon() / 2;
@@ -179,11 +179,11 @@ std::optional<std::array<Comparison, 3>> compare_frame(const AnySurface& surface
     condition = nearest.condition;
   } else {
     const ExactFrame e = exact_frame(exact.jet, f.handedness);
-    // Where the true partials give no frame, those with their rounding gave an arbitrary one.
+    // If the true partials give no frame, rounded ones give an arbitrary one.
     if (!closed && !(size_of(e.t) > 0 && size_of(e.n) > 0)) return std::nullopt;
     const Vec3<Multiprecision> area = cross(unit(exact.jet.dpdu), unit(exact.jet.dpdv));
     const double determinant = static_cast<double>(dot(area, Vec3<Multiprecision>{f.n.x, f.n.y, f.n.z}));
-    of_40_digits = 1e-38 / size_of(area);          // what they leave of a normal of nearly parallel partials
+    of_40_digits = 1e-38 / size_of(area);          // their error in the normal of nearly parallel partials
     if (!(of_40_digits < 1)) return std::nullopt;  // nothing
     // A surface that states its own orientation cannot tell the side where dpdu across dpdv is within
     // rounding of zero.
@@ -196,7 +196,7 @@ std::optional<std::array<Comparison, 3>> compare_frame(const AnySurface& surface
       condition += change(exact_frame(moved, f.handedness), e);
   }
   double times = info.frame_error * (1 + condition);
-  // From partials that are within 8 (1 + condition) of their scale: what that turns t and n by.
+  // From partials that are within 8 (1 + condition) of their scale: the resulting rotation of t and n.
   if (!closed) times = 8 * (1 + condition + (limit ? 1 : magnified(exact, scales)));
   const double bound = times * roundoff + of_40_digits;
   return std::array{Comparison{errors[0], bound, condition}, Comparison{errors[1], bound, condition},
@@ -235,8 +235,8 @@ AllNumbers<Multiprecision> numbers_of(const Jet2<Multiprecision>& j, double side
                     normal_derivatives(s, f), first_form(j), second_form(j, f.n), christoffel(j, f));
 }
 
-// Of a surface made of control points or a curve each number is an input. All x together, all y and all z are
-// counted as one each, and for the rest its bound is four times as large.
+// Whether the surface is made of control points or a curve, so that each number is an input. All x together,
+// all y and all z are counted as one each; for the rest, its bound is four times as large.
 bool made_of_data(const AnySurface& surface) {
   return surface.parameters().empty() || surface.info().name == "extrusion";
 }
@@ -309,7 +309,7 @@ std::array<std::optional<Comparison>, form_names.size()> compare_forms(const Any
   for (std::size_t q = 0; q < form_names.size(); ++q) {
     const double size = length(exact[q]);
     const double scale = q == k_gaussian ? k * k : q == k_mean ? k : 0;
-    // Beyond the range of double nothing can be asked.
+    // Beyond the range of double nothing is compared.
     if (!(size < std::numeric_limits<double>::max() / 64 &&
           size > std::numeric_limits<double>::min() / unit_roundoff))
       continue;
@@ -321,7 +321,7 @@ std::array<std::optional<Comparison>, form_names.size()> compare_forms(const Any
       // The error of the shape operator over the difference of its eigenvalues turns them.
       times += (1 + condition[k_principal] / k) * std::fmin(k / apart, detail::cancellation_of_directions);
     }
-    // What 40 digits leave of a sum that cancels.
+    // The digits that 40-digit arithmetic leaves of a cancelling sum.
     const double of_40_digits = 1e-37 * scale / size;
     result[q] = Comparison{length(difference(own[q], exact[q], q)) / size,
                            (data ? 8 : 2) * surface.info().frame_error * unit_roundoff * times +

@@ -33,7 +33,7 @@ struct Comparison {
   double error, bound, condition;
 };
 
-// The largest component of a - b; infinity where a is no number.
+// The largest component of a - b; infinity if a is not a number.
 double largest_difference(const Vec3<Multiprecision>& a, const Vec3<Multiprecision>& b);
 template <class S>
 double largest_difference(const Vec3<S>& a, const Vec3<Multiprecision>& b) {
@@ -43,26 +43,26 @@ double largest_difference(const Vec3<S>& a, const Vec3<Multiprecision>& b) {
 
 // Scales and conditions of the partials at a point.
 struct PartialScales {
-  std::array<double, 6> scale;      // that given, or the partial's own size where that is larger
+  std::array<double, 6> scale;      // the given one, or the partial's own size if larger
   std::array<double, 6> condition;  // relative to scale
 };
 PartialScales partial_scales(const Exact& exact, const std::array<double, 6>& scale);
 
-// A partial of a sample in double or float. Nothing where its scale is beyond the range of S: nothing can be
-// asked of it there; nor where the surface is beyond the sizes it is proven for, and says so.
+// A partial of a sample in double or float. None if its scale is beyond the range of S, so that nothing can
+// be compared, or if the surface reports that it is beyond the sizes for which it is proven.
 template <class S>
 std::optional<Comparison> compare_partial(const Exact& exact, const PartialScales& scales,
                                           const Sample<S>& sample, int k);
 
-// t, b, n of a sample. A limit is compared with the nearest that 40 digits show. Nothing where they show
-// none. \param closed whether it is in closed form, or made of partials
+// t, b, n of a sample. A limit is compared with the nearest one that 40 digits show; none if they show none.
+// \param closed whether it is in closed form, or made of partials
 template <class S>
 std::optional<std::array<Comparison, 3>> compare_frame(const AnySurface& surface, const Exact& exact,
                                                        const PartialScales& scales, const Sample<S>& sample,
                                                        bool closed);
 
-// How much the errors of dpdu and dpdv, roundings times (1 + condition) of their scale, are magnified in t
-// and n made of them.
+// The factor by which errors of dpdu and dpdv, roundings times (1 + condition) of their scale, are magnified
+// in t and n made of them.
 double magnified(const Exact& exact, const PartialScales& scales);
 
 // ---- curvatures and forms ---------------------------------------------------------------------------------
@@ -77,13 +77,13 @@ constexpr std::size_t k_gaussian = 0, k_mean = 1, k_principal = 2, k_directions 
 template <class S>
 using AllNumbers = std::array<Numbers<S>, form_names.size()>;
 
-// As the library gives them.
+// As computed by the library.
 AllNumbers<double> form_numbers(const AnySurface& surface, const Sample<double>& sample);
 
-// Against 40 digits, at a point where the surface is regular and n lies on the side of `normal`. Nothing for
-// what is not given, and for what vanishes, or so nearly that 40 digits leave no condition: it has no
-// relative error. \param partials where given, that of partials which err as far as compare_partial lets them
-// is added to the bound
+// Compares with 40 digits at a point where the surface is regular and n lies on the side of `normal`. None
+// for numbers that are not given, and for those that vanish, or nearly so, so that 40 digits give no
+// condition: they have no relative error. \param partials if given, the error of partials that err as far as
+// compare_partial permits is added to the bound
 std::array<std::optional<Comparison>, form_names.size()> compare_forms(
     const AnySurface& surface, const Exact& exact, const Vec3<double>& normal, const AllNumbers<double>& own,
     const PartialScales* partials = nullptr);

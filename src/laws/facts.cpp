@@ -1,4 +1,4 @@
-// The facts a surface states.
+// The facts that a surface states.
 #include <algorithm>
 
 #include "curvature.h"
@@ -14,8 +14,8 @@ bool states(const AnySurface& surface, std::string_view fact) {
 
 }  // namespace
 
-// Zero on the surface, and its gradient there the normal: positive on the side of n, ±n where there is but
-// one side.
+// Zero on the surface, with the gradient along the normal: positive on the side of n, ±n if the surface is
+// one-sided.
 void check_implicit(const AnySurface& surface, const Points& points, Checks& checks) {
   constexpr std::string_view none = "the surface states no implicit equation";
   Law position(points.name, "implicit", "position"), normal(points.name, "implicit", "normal");
@@ -80,7 +80,7 @@ void check_curvature(const AnySurface& surface, const Points& points, Checks& ch
 // one, bit for bit where u + k is exact.
 void check_periodicity(const AnySurface& surface, const Points& points, Checks& checks) {
   const SurfaceInfo& info = surface.info();
-  // What stands on one side of a one-sided surface (its offset) comes back after two turns, without a twist.
+  // A point on one side of a one-sided surface (its offset) returns after two turns, without a twist.
   const bool one_sided = info.u == Coordinate::twisted_turn, twisted = one_sided && !info.own_orientation;
   const double turns = one_sided && !twisted ? 2 : 1;
   const bool periodic_u = info.u == Coordinate::turn || one_sided, periodic_v = info.v == Coordinate::turn;

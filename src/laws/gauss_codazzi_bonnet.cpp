@@ -11,7 +11,7 @@
 
 namespace darboux::laws {
 
-// K from E, F, G and their derivatives alone (Brioschi's formula), by nested duals of dpdu and dpdv.
+// K from only E, F, G and their derivatives (Brioschi's formula), by nested dual numbers of dpdu and dpdv.
 void check_gauss(const AnySurface& surface, const Points& points, Checks& checks) {
   std::vector<Pair> pairs;
   for (const Point& p : points.list) {
@@ -19,7 +19,7 @@ void check_gauss(const AnySurface& surface, const Points& points, Checks& checks
     using N = NestedDualUV;
     Jet2<N> j =
         surface.jet(N::variable(DualUV::variable(p.u, 0), 0), N::variable(DualUV::variable(p.v, 1), 1));
-    // In a unit of about the first partials' length, a power of two: their products stay in range.
+    // In units of about the length of the first partials, a power of two: their products stay in range.
     const double unit = std::ldexp(1, -std::ilogb(std::fmax(norm(p.j.dpdu), norm(p.j.dpdv))));
     for (Vec3<N>* x : {&j.dpdu, &j.dpdv, &j.d2pdu2, &j.d2pduv, &j.d2pdv2}) *x = N(unit) * *x;
     const auto metric = [](const Vec3<N>& a, const Vec3<N>& b) { return dot(a, b); };
@@ -41,7 +41,7 @@ void check_gauss(const AnySurface& surface, const Points& points, Checks& checks
                       {first(nG, 1) / 2, F, G}}};
     const Matrix other{
         {{0, first(nE, 1) / 2, first(nG, 0) / 2}, {first(nE, 1) / 2, E, F}, {first(nG, 0) / 2, F, G}}};
-    // The sizes of what was added up in each entry, by the norms of the vectors.
+    // The sizes of the summands of each entry, by the norms of the vectors.
     const auto size = [](const Vec3<N>& x) { return norm(value(value(x))); };
     const double u = size(j.dpdu), v = size(j.dpdv), uu = size(j.d2pdu2), uv = size(j.d2pduv),
                  vv = size(j.d2pdv2);
@@ -98,8 +98,8 @@ void check_codazzi(const AnySurface& surface, const Points& points, Checks& chec
   checks.push_back(compared(points, "codazzi", "dM/dv - dN/du", pairs[1], least));
 }
 
-// ∫ K dA by the trapezoidal rule along periodic coordinates and Gauss-Legendre along the others, twice as
-// fine until it no longer changes.
+// ∫ K dA by the trapezoidal rule along periodic coordinates and Gauss-Legendre along the others, refined
+// twofold until it no longer changes.
 void check_gauss_bonnet(const AnySurface& surface, const Points& points, Checks& checks) {
   Law law(points.name, "gauss_bonnet", "gaussian_curvature");
   const SurfaceInfo& info = surface.info();

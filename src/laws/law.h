@@ -1,4 +1,4 @@
-// What the laws of testing.h are made of: points, conditions, and the worst of what is compared.
+// Building blocks of the laws of testing.h: points, conditions, and the worst comparison.
 #pragma once
 
 #include <array>
@@ -24,7 +24,8 @@ const Vec3<S>& partial(const Jet2<S>& j, int k) {
   return *all[static_cast<std::size_t>(k)];
 }
 
-// Each first derivative the routes look at: partial `of` differentiated along `along` (0: u, 1: v) is `is`.
+// Each first derivative that the routes check: partial `of` differentiated along `along` (0: u, 1: v) is
+// `is`.
 struct Derivative {
   int of, along, is;
 };
@@ -70,7 +71,7 @@ class Law {
     check_.passed = check_.passed && within;
   }
 
-  // \param nothing_compared why, where no point could be compared; empty: that is a failure
+  // \param nothing_compared the reason if no point could be compared; empty: that is a failure
   Check result(std::string_view nothing_compared = {}) const {
     Check c = check_;
     if (c.points == 0) {
@@ -110,8 +111,8 @@ inline bool is_number(const Jet2<Multiprecision>& j) {
   return true;
 }
 
-// Calls f(jet) for the jet with each input moved by a relative 1e-20 in turn, inward where outward there is
-// none: what that changes, times 1e20, is the sum over the inputs of |x ∂/∂x|, the condition that no
+// Calls f(jet) for the jet with each input moved by a relative 1e-20 in turn, inward if outward is not
+// permitted. The change, times 1e20, is the sum over the inputs of |x ∂/∂x|: the condition, which no
 // formula in these inputs can undercut.
 constexpr double relative_change = 1e-20;
 template <class F>
@@ -151,9 +152,9 @@ struct Points {
   Points(const AnySurface& surface, const CheckOptions& options);
 };
 
-// A partial that is small against its scale has lost the same share of its digits, and nearly parallel
-// partials leave less of the normal: by what frames made of these partials exceed the rounding of the
-// partials.
+// A partial that is small relative to its scale has lost that share of its digits, and nearly parallel
+// partials leave fewer digits of the normal: the factor by which the error of frames made of these partials
+// exceeds the rounding of the partials.
 double frame_condition(const Points& points, const Point& p, const Vec3<double>& dpdu,
                        const Vec3<double>& dpdv);
 

@@ -1,4 +1,4 @@
-// Everything against the same formula in 40 digits.
+// Compares everything with the same formula in 40 digits.
 #include <algorithm>
 #include <concepts>
 #include <random>
@@ -45,7 +45,7 @@ AnySurface random_parameters(const AnySurface& surface, std::mt19937_64& random,
     try {
       return surface.with(values);
     } catch (const ParameterError&) {
-      // These values do not go together: others.
+      // These values are incompatible: tries others.
     }
   }
   return surface;
@@ -109,11 +109,11 @@ class HighPrecision {
           partials_[static_cast<std::size_t>(k)].compare(c->error, c->bound, u, v, of);
       compare_status(exact.uv, sample, exact.jet, scales.scale, scales.condition, of);
       if (has(sample.frame.status, Status::no_frame)) continue;
-      // Of every frame, whatever the oracle can say of its directions.
+      // For every frame, whether or not the 40-digit reference has one.
       orthonormality_.compare(deviation_from_orthonormal(sample.frame),
                               (surface.has_closed_frame() ? 8 : 16) * roundoff, u, v, of);
-      // Next to a singular curve a partial may vanish or be that of the other side, to rounding, which is
-      // compared above; then so is the frame.
+      // Next to a singular curve a partial may vanish or be that of the other side, up to rounding, which was
+      // compared above; the same then holds for the frame.
       const auto opposes = [](const Vec3<S>& own, const Vec3<Multiprecision>& other) {
         const Vec3<Multiprecision> wide{own.x, own.y, own.z};
         return norm(other) > Multiprecision(0.0) && !(dot(wide, other) > Multiprecision(0.0));
@@ -198,7 +198,7 @@ void check_high_precision_forms(const AnySurface& surface, const CheckOptions& o
   std::mt19937_64 random(options.seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   for (int set = 0; set < std::max(1, options.parameter_sets); ++set) {
-    // Beyond some decades 40 digits are no oracle for what cancels.
+    // Beyond some decades 40 digits are no reference for cancelling sums.
     const AnySurface chosen = options.parameter_sets == 0 ? surface : random_parameters(surface, random, 1e4);
     for (int i = 0; i < options.points; ++i) {
       const double u = uniform(random), v = uniform(random);
@@ -217,14 +217,14 @@ void check_high_precision_forms(const AnySurface& surface, const CheckOptions& o
 
 namespace {
 
-// The nearest number that float holds. Through memory: g++ 12 at -O2 drops the conversion there and back from
-// a loop over pairs.
+// The nearest float. Through memory: g++ 12 at -O2 drops the conversion there and back from a loop over
+// pairs.
 double as_float(double x) {
   volatile float result = static_cast<float>(x);
   return result;
 }
 
-// The same surface with parameters that float holds exactly.
+// The same surface with parameters rounded to float.
 AnySurface rounded_to_float(const AnySurface& surface) {
   std::vector<double> values;
   for (const ParameterValue& p : surface.parameters()) values.push_back(as_float(p.value));
@@ -242,7 +242,7 @@ void check_high_precision(const AnySurface& surface, const CheckOptions& options
   for (int set = 0; set < std::max(1, options.parameter_sets); ++set) {
     AnySurface chosen = options.parameter_sets == 0 ? surface : random_parameters(surface, random);
     if constexpr (std::same_as<S, float>) {
-      // Sizes whose squares and quotients float still holds.
+      // Sizes whose squares and quotients are within the range of float.
       const auto fits = [](const ParameterValue& p) {
         return p.value == 0 || (std::fabs(p.value) < 1e18 && std::fabs(p.value) > 1e-18);
       };

@@ -80,7 +80,7 @@ std::vector<Check> check_surface(const AnySurface& surface, const CheckOptions& 
   }
   if (wanted("high_precision")) check_high_precision<double>(surface, options, checks);
   if (wanted("high_precision_float")) check_high_precision<float>(surface, options, checks);
-  // Some ms a point: only where it is named.
+  // Takes some ms per point, so it runs only if named.
   if (!options.routes.empty() && wanted("high_precision_forms"))
     check_high_precision_forms(surface, options, checks);
   return checks;

@@ -10,10 +10,10 @@
 
 namespace darboux {
 
-// How many points are worth asking for at once.
+// The number of points for which a call is efficient.
 inline constexpr std::size_t jets_at_once = 64;
 
-// To the bits of uv_jet(); each has a neighbour or more. \throws ParameterError as find_kernels
+// Bit for bit as uv_jet(); each point needs at least one neighbour. \throws ParameterError as find_kernels
 void uv_jets(std::span<const kernels::UvNeighbours> of, int degree, bool u_periodic, bool v_periodic,
              std::span<UvJet> results, InstructionSet set = InstructionSet::automatic);
 

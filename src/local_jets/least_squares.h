@@ -33,7 +33,7 @@ class LeastSquares {
     S of[M];
   };
 
-  // Of n values, to be written by the caller. One that is zero with its weight changes nothing.
+  // Of n values, to be filled in by the caller. One that is zero, with zero weight, has no effect.
   Given* resize(std::size_t n) {
     n_ = n;
     rows_ = std::max<std::size_t>(n, columns + 1);
@@ -56,18 +56,18 @@ class LeastSquares {
     known_ = select(count >= S(M + 3) && condition_of<M>() < S(worst_condition), S(1), S(0));
   }
 
-  // Infinite where the points determine nothing.
+  // Infinite if the points determine nothing.
   const S& condition() const { return condition_; }
   const S& residual_rms() const { return residual_rms_; }
 
-  // Of x^i y^j up to degree 2, in the order 1, x, y, x², xy, y².
+  // The coefficient of x^i y^j up to degree 2, in the order 1, x, y, x², xy, y².
   S coefficient(int k, int dim) const {
     S sum = inverse_[k][k] * r_[k][M + dim];
     for (int j = k + 1; j < N; ++j) sum = sum + inverse_[j][k] * r_[j][M + dim];
     return k == 4 ? S(S(root_of_two) * sum) : sum;
   }
 
-  // The fitted f · coefficients is this times Qᵀ values: what comes of each degree.
+  // The fitted f · coefficients is this times Qᵀ values: the contribution of each degree.
   Gain gain(Functional f) const {
     f.of[4] = f.of[4] * S(root_of_two);
     Gain gain;
@@ -77,7 +77,7 @@ class LeastSquares {
     }
     return gain;
   }
-  // The expected square of the error of f · coefficients · s; infinite where nothing is known of it.
+  // The expected square of the error of f · coefficients · s; infinite if unknown.
   S error(const Gain& gain, const S (&s)[dims]) const {
     S noise(0), change(0), hidden(0), all(0), highest(0);
     for (int i = M; i < columns; ++i) noise = noise + squared(along(i, s));
@@ -88,8 +88,8 @@ class LeastSquares {
     }
     for (int i = 0; i < M; ++i) all = all + squared(gain.of[i]);
     for (int i = N - degree - 1; i < N; ++i) highest = highest + squared(gain.of[i]);
-    // Neighbours that lie symmetrically hide from the next degree what has the other parity: a term as large
-    // as those of the next degree, seen through the highest degree here.
+    // Symmetric neighbours hide the terms of the next degree that have the other parity: assumes a term as
+    // large as those of the next degree, as it appears in the highest degree here.
     const S result = noise / (count_ - S(M + 2)) * all + change * change + hidden / S(M - N) * highest;
     return select(known_ > S(0), result, S(infinite));
   }
@@ -129,7 +129,7 @@ class LeastSquares {
       for (int k = 0; k < dims; ++k) row[M + k] = given.root_of_weight * given.values[k];
       if (width > columns) row[columns] = S(0);
     }
-    // Rows of zeros below the points leave every least-squares polynomial as it is.
+    // Rows of zeros below the points do not change any least-squares polynomial.
     std::fill(system_.begin() + static_cast<std::ptrdiff_t>(n_ * width),
               system_.begin() + static_cast<std::ptrdiff_t>(rows_ * width), S(0));
   }
@@ -144,7 +144,7 @@ class LeastSquares {
     if constexpr (start + step < n) for_each_column<n, start + step>(f);
   }
 
-  // Columns that are worked on at once: as many as the registers hold.
+  // The number of columns processed at once: as many as the registers hold.
   template <int from>
   static constexpr int block = detail::Lanewise<S> ? std::min(step, width - from) : width - from;
   template <int from>
@@ -152,7 +152,7 @@ class LeastSquares {
     S of[block<from>];
   };
 
-  // What is below the diagonal of column k times that of the columns from `from` on.
+  // The products of the part of column k below the diagonal with the columns from `from` on.
   template <int from>
   Sums<from> products(int k) const {
     Sums<from> sum{};
@@ -187,7 +187,7 @@ class LeastSquares {
     }
   }
 
-  // Householder's reflection of column k; its row of R goes to r_. What is left of the column is done with,
+  // Householder's reflection of column k; its row of R goes to r_. The rest of the column is no longer used
   // and may change.
   template <int from>
   void reflect(int k) {
@@ -206,7 +206,7 @@ class LeastSquares {
     r_[k][k] = select(reflects, -size, head);
   }
 
-  // Column by column. A zero on the diagonal spoils its column and those to the right, no other.
+  // Column by column. A zero on the diagonal invalidates its column and those to the right, no other.
   void invert() {
     inverse_[0][0] = S(1) / r_[0][0];
     for_each_column<M>([this](auto start, int j) {

@@ -22,7 +22,7 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// Where neighbours determine nothing.
+// The result if the neighbours determine nothing.
 LocalJet no_local_jet(Status why, double condition) {
   const Vec3<double> none = detail::nan_vector<double>();
   return {.position = none,
@@ -71,7 +71,7 @@ class LocalFit {
     points_ /= size;
     radius *= size;
 
-    // The plane of least squares: across it the covariance is smallest.
+    // The least-squares plane: the covariance is smallest across it.
     weights_.setOnes(n);
     if (!weights.empty()) weights_ = Eigen::Map<const Eigen::VectorXd>(weights.data(), n);
     weights_ /= weights_.maxCoeff();
@@ -207,8 +207,8 @@ void check_length(std::size_t size, const char* attribute, const PointCloud& clo
                                            std::to_string(size)));
 }
 
-// fit(some points, the indices of the `count` nearest to each, the results of all) for every point of a
-// cloud; `make()` makes a fit, once per piece.
+// Calls fit(some points, the indices of the `count` nearest neighbours of each, the results of all) for every
+// point of a cloud; `make()` makes a fit, once per piece.
 template <class Result, class Make>
 std::vector<Result> at_every_point(const PointCloud& cloud, const CloudJetOptions& options,
                                    const Result& none, const Make& make) {

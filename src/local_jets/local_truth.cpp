@@ -22,9 +22,9 @@ namespace {
 
 constexpr int first_degree = 3, finest_degree = 4;
 constexpr double close = 2e-5;  // a thousandth of a degree
-// A polynomial that its neighbours do not determine, as of the fourth degree over four rows, is singular.
-// Where the rows lie askew, roundings of floats (6e-8) hide that, and its errors with it: from here on they
-// decide.
+// A polynomial that its neighbours do not determine, such as one of the fourth degree over four rows, is
+// singular. If the rows are askew, float rounding (6e-8) hides the singularity and its error; beyond this
+// condition, rounding decides the result.
 constexpr double worst_condition = 1e6;
 constexpr int most_rings = 5;  // the corner of a grid has too few within four
 constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -34,8 +34,8 @@ Truth no_truth() {
   return {none, none, none, none, Status::no_frame, false, infinite, infinite};
 }
 
-// A direction of which three standard deviations are a radian is not known: beyond first order, as next to a
-// pole.
+// A direction whose three standard deviations exceed a radian is unknown: first-order errors are invalid
+// there, as next to a pole.
 double deviation_deg(double error) {
   return 3 * error < 1 ? degrees_per_radian * error : infinite;
 }
@@ -51,7 +51,7 @@ Truth truth_of(const UvJet& jet, double winding) {
           .tangent_deg = deviation_deg(jet.tangent_error)};
 }
 
-// The normal alone: where a plane's coordinates stand in for uvs, tangents mean nothing.
+// Only the normal: if a plane's coordinates stand in for uvs, tangents mean nothing.
 Truth normal_of(const UvJet& jet) {
   Truth truth = no_truth();
   truth.position = jet.jet.position;
@@ -67,9 +67,11 @@ struct PlaneAxes {
   Vec2<double> operator()(const Vec3<double>& p) const { return {dot(p, x), dot(p, y)}; }
 };
 
-// If a neighbour's triangles lean by more from those about the node, the surface is no graph over its plane.
+// If a neighbour's triangles lean farther than this from those around the node, the surface is no graph over
+// its plane.
 constexpr double least_cosine = 0.3;
-// If the polynomial leans by more from the triangles at its own node, they do not resolve the surface.
+// If the polynomial leans farther than this from the triangles at its own node, they do not resolve the
+// surface.
 constexpr double least_own_cosine = 0.8;
 
 // Whether dpdu or dpdv vanishes here or nearly so, that is, changes by more than twice its own length on the
@@ -85,8 +87,8 @@ bool is_singular(const Jet2<double>& jet, const Vec2<double>& uv, std::span<cons
   });
 }
 
-// The truth at some nodes, each from the fewest rings that tell how well they know it; of the finest degree
-// where the first leaves more than that.
+// The truth at some nodes, each from the fewest rings that determine its uncertainty; of the finest degree if
+// that of the first is too uncertain.
 class LocalTruth {
  public:
   LocalTruth(const Mesh& mesh, const Rings& rings, bool by_uvs)
@@ -125,13 +127,13 @@ class LocalTruth {
     int degree = first_degree;  // of its next polynomial, 0 where none is to come
     Truth best = no_truth();
   };
-  // Whose polynomial is asked for, and where its neighbours are in near_.
+  // A requested polynomial, and the range of its neighbours in near_.
   struct Asked {
     Open* open;
     std::size_t begin, end, first_ring_end;
   };
 
-  // Walks all rings anew, which costs little beside a polynomial.
+  // Walks all rings again, which costs little compared with a polynomial.
   void gather(Open& open, int ring) {
     rings_.start(open.node, walk_);
     for (int r = 0; r < ring; ++r) rings_.grow(walk_);
@@ -139,7 +141,7 @@ class LocalTruth {
     for (const Index node : walk_.near)
       if (const Index v = rings_.vertex(node); is_finite_[v]) near_.push_back(v);
     asked.end = near_.size();
-    // Fewer would not tell the error.
+    // Fewer would not determine the error.
     if (asked.end - asked.begin < jet_coefficients(open.degree + 1) + 3 ||
         (!by_uvs_ && is_folded(open.node))) {
       near_.resize(asked.begin);
@@ -149,13 +151,13 @@ class LocalTruth {
     asked_.push_back(asked);
   }
 
-  // Whether the neighbours just walked are seen from another side than the node.
+  // Whether the node and the neighbours just found are seen from opposite sides.
   bool is_folded(Index node) const {
     return std::any_of(walk_.near.begin(), walk_.near.end(),
                        [&](Index near) { return !(dot(across_[near], across_[node]) > least_cosine); });
   }
 
-  // Where they lie in the plane about their node, in the order of near_.
+  // Their coordinates in the plane about their node, in the order of near_.
   void project() {
     in_plane_.resize(near_.size()), positions_.resize(near_.size()), order_.resize(near_.size());
     std::iota(order_.begin(), order_.end(), Index{0});
@@ -237,7 +239,7 @@ std::vector<Truth> local_truth(const Mesh& mesh, std::span<const Index> joined, 
     if (const Index node = rings.frames.of_corner[c]; rings.used(node) && !rings.at_crease(node))
       node_of[mesh.triangles[c / 3][c % 3]] = node;
   std::vector<Truth> result(mesh.positions.size(), no_truth());
-  std::vector<Index> first(rings.size(), none);  // of each node the vertex that has its truth
+  std::vector<Index> first(rings.size(), none);  // for each node the vertex that has its truth
   LocalTruth truth(mesh, rings, by_uvs);
   std::vector<Index> nodes;
   for (Index v = 0; v < node_of.size(); ++v) {

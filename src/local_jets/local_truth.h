@@ -1,4 +1,4 @@
-// local_truth() of vertices that are joined already.
+// local_truth() for vertices that are already joined.
 #pragma once
 
 #include <darboux/local_truth.h>
@@ -7,7 +7,7 @@
 
 namespace darboux {
 
-// Whether uvs tell a direction anywhere. \param signs of the triangles
+// Whether uvs determine a direction anywhere. \param signs of the triangles
 bool has_uv_area(std::span<const signed char> signs);
 
 // The public one. \param joined join_equal_vertices() \param by_uvs has_uv_area()

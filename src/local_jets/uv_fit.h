@@ -25,8 +25,8 @@ class UvFit {
  public:
   using Fit = LeastSquares<degree, 3, S>;
 
-  // Of n neighbours, to be written by the caller: the roots of their weights, uvs relative to the query, and
-  // positions relative to any place near it. One that is zero changes nothing.
+  // Of n neighbours, to be filled in by the caller: the square roots of their weights, uvs relative to the
+  // query, and positions relative to any point near it. One that is all zero has no effect.
   auto* resize(std::size_t n) {
     n_ = n;
     return given_ = fit_.resize(n);
@@ -69,7 +69,7 @@ class UvFit {
     S sized, per_u, per_v, radius, b00, b10, b11;
   };
 
-  // Gives the neighbours these coordinates.
+  // Transforms the neighbours to these coordinates.
   Scaling normalise() {
     using std::sqrt;
     const S one(1);

@@ -27,7 +27,7 @@ double nearest_period(double x, bool periodic) {
   return periodic ? x - std::round(x) : x;
 }
 
-// A member over lanes, and where each lane's goes.
+// A member over lanes, and the destination of each lane's.
 template <class From, class To>
 struct Member {
   From from;
@@ -81,7 +81,7 @@ DARBOUX_FLATTEN void uv_jets(const UvJetWork& work) {
   UvFit<degree, S> fit;
   std::vector<Row> rows;
   for (std::size_t first = 0; first < work.count; first += W) {
-    const UvNeighbours* of[W];  // what is left over at the end is the first again
+    const UvNeighbours* of[W];  // missing ones at the end repeat the first
     Tile count, origin[3];
     std::size_t most = 0;
     for (std::size_t k = 0; k < W; ++k) {
@@ -91,7 +91,7 @@ DARBOUX_FLATTEN void uv_jets(const UvJetWork& work) {
       const Vec3<double>& p = of[k]->positions[of[k]->near[0]];
       origin[0].of[k] = p.x, origin[1].of[k] = p.y, origin[2].of[k] = p.z;
     }
-    // Lane by lane, and all before any is read: what was just written in parts is slow to read as a whole.
+    // Lane by lane, and all before any is read: loading a register just after its parts were stored is slow.
     rows.resize(most);
     for (std::size_t k = 0; k < W; ++k) {
       const UvNeighbours& n = *of[k];

@@ -1,6 +1,6 @@
 /// \file uv_jets.h
-/// Between uv_jets() of local_jets.cpp and uv_jets.cpp, which is compiled once per instruction set. Plain
-/// data only.
+/// The interface between uv_jets() of local_jets.cpp and uv_jets.cpp, which is compiled once per instruction
+/// set. Plain data only.
 #pragma once
 
 #include <array>

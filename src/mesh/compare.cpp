@@ -30,7 +30,7 @@ constexpr double absent = std::numeric_limits<double>::lowest();  // marks an at
 // Position, normal, uv.
 using Attributes = std::array<double, 8>;
 
-// Two meshes as one: the vertices and corners of a, then those of b.
+// Two meshes concatenated: the vertices and corners of a, then those of b.
 struct Joint {
   std::vector<Attributes> vertices;
   std::vector<Vec4<double>> tangents;
@@ -75,7 +75,7 @@ std::uint32_t previous(std::uint32_t corner) {
 
 // ---- which vertices are the same --------------------------------------------------------------------------
 
-// Items with one label are the same; an item with label `none` is the same as nothing.
+// Items with equal labels are the same; an item with label `none` is the same as nothing.
 using Labels = std::vector<std::uint32_t>;
 
 struct HashOfBits {
@@ -137,7 +137,7 @@ void part(Labels& labels, const Joint& joint, std::size_t first, std::size_t las
   }
 }
 
-// Labels for what is the same within the tolerance.
+// Labels for attributes that are the same within the tolerance.
 struct NearLabels {
   Labels position, position_uv, position_normal, all;
 };
@@ -180,13 +180,13 @@ struct Entry {
   std::uint32_t corner;
 };
 
-// In this direction no two tangents of a symmetric mesh have equal components.
+// A direction in which no two tangents of a symmetric mesh have equal components.
 std::int64_t along(const Vec4<double>& t) {
   const auto b = std::bit_cast<std::int64_t>(0.7548 * t.x + 0.5698 * t.y + 0.3247 * t.z);
   return b < 0 ? b ^ std::numeric_limits<std::int64_t>::max() : b;
 }
 
-// The corner of the other mesh that each corner is matched with, or none.
+// The matching corner of the other mesh for each corner, or none.
 using Partners = std::vector<std::uint32_t>;
 
 // Pairs corners of a and of b that are the same, both in the order of their tangents.
@@ -369,7 +369,7 @@ Box box_of(const Mesh& mesh) {
   return box;
 }
 
-// How far the sides of two boxes are apart, as a share of the diagonal of the larger.
+// The distance between the faces of two boxes, as a share of the diagonal of the larger.
 double distance(const Box& a, const Box& b) {
   if (a.isEmpty() || b.isEmpty())
     return a.isEmpty() && b.isEmpty() ? 0 : std::numeric_limits<double>::infinity();
@@ -421,7 +421,7 @@ MeshPairs pair_meshes(std::span<const NamedMesh> a, std::span<const NamedMesh> b
   };
   const auto agree = [&](std::size_t i, std::size_t j) { return distance(box_a[i], box_b[j]) <= agreeing; };
 
-  // Where each name, or place, is found in the two files.
+  // The indices at which each name or place occurs in the two files.
   using Found = std::array<std::vector<std::size_t>, 2>;
   std::map<std::pair<std::string_view, std::size_t>, Found> names;
   std::map<std::pair<std::size_t, std::size_t>, Found> places;

@@ -61,7 +61,8 @@ double uv_tolerance(const Mesh& mesh) {
   return same * std::max(u.size(), v.size());
 }
 
-// Groups by position. Vertices that no triangle uses stand alone; weld() leaves NaN alone.
+// Groups by position. Vertices that no triangle uses stay single: they become NaN, which weld() leaves
+// single.
 First places(const Mesh& mesh, const std::vector<bool>& in_use, double tolerance) {
   if (std::find(in_use.begin(), in_use.end(), false) == in_use.end()) return weld(mesh.positions, tolerance);
   std::vector<Vec3<double>> points = mesh.positions;
@@ -103,7 +104,7 @@ First uv_places(const Mesh& mesh, const First& place, double tolerance) {
   std::vector<std::uint32_t> vertices;
   for (std::uint32_t v = 0; v < place.size(); ++v)
     if (!one[place[v]]) vertices.push_back(v);
-  // The place as a third coordinate that sets places further apart than the tolerance.
+  // The place as a third coordinate, in which different places are farther apart than the tolerance.
   const double apart = std::max(1.0, 4 * tolerance);
   std::vector<Vec3<double>> points(vertices.size());
   std::transform(vertices.begin(), vertices.end(), points.begin(), [&](std::uint32_t v) {

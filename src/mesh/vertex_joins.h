@@ -18,7 +18,7 @@ struct VertexJoins {
 
 VertexJoins join_vertices(const Mesh& mesh);
 
-// The public classify(), given what is known already. \param signs triangle_signs() \param joins
+// The public classify() with data that are already known. \param signs triangle_signs() \param joins
 // join_vertices()
 MeshClasses classify(const Mesh& mesh, const std::vector<bool>& is_pole, std::span<const signed char> signs,
                      const VertexJoins& joins);

@@ -1,5 +1,5 @@
 /// \file vertex_split.h
-/// New vertices for corners that have other values than their vertex.
+/// Adds vertices for corners whose values differ from those of their vertex.
 #pragma once
 
 #include <algorithm>

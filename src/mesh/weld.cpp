@@ -171,8 +171,8 @@ std::vector<std::uint32_t> weld(std::span<const Vec3<double>> points, double tol
   HashTable distinct;
   std::size_t asked = 0;  // compared pairs
   for (std::uint32_t i = 0; i < points.size(); ++i) {
-    // If cells are crowded, as when all but one point lie within the tolerance of each other, boxes are
-    // faster.
+    // Boxes are faster if cells are crowded, as when all points but one lie within the tolerance of each
+    // other.
     if (asked > 32 * (std::size_t{i} + 1000)) return Boxes(points, tolerance).representatives();
     if (i + HashTable::soon < hashes.size()) distinct.prefetch(hashes[i + HashTable::soon]);
     const Vec3<double>& p = points[i];

@@ -35,7 +35,7 @@ void check(const BakeOptions& options) {
          std::to_string(options.samples));
 }
 
-// A texel has one normal: a uv outside of the map must mean what the one inside means.
+// A texel has one normal, so a uv outside the map must give the same normal as the one inside.
 void check_uvs(const PlacedSurface& surface, const MapPiece& piece) {
   check_consistent(piece.mesh, normal_map::name_of(piece));
   if (piece.mesh.uvs.empty()) return;  // which convert_normal_map() refuses
@@ -54,7 +54,7 @@ void check_uvs(const PlacedSurface& surface, const MapPiece& piece) {
                       expected_got("uvs from 0 to 1, or a surface that repeats as the map does",
                                    "(" + rounded(uv.x, 4) + ", " + rounded(uv.y, 4) + ")"));
   };
-  std::vector<bool> seen(piece.mesh.uvs.size());  // of corners: what no triangle has, no texel shows
+  std::vector<bool> seen(piece.mesh.uvs.size());  // of corners: vertices that no triangle uses do not matter
   for (const Triangle& triangle : piece.mesh.triangles)
     for (const std::uint32_t v : triangle) {
       if (!seen[v]) check_one(piece.mesh.uvs[v]);
@@ -62,14 +62,14 @@ void check_uvs(const PlacedSurface& surface, const MapPiece& piece) {
     }
 }
 
-// Whether the normals are handed over as they are: convert_normal_map() codes floats of input and output
+// Whether the normals are passed as signed floats: convert_normal_map() encodes floats of input and output
 // alike.
 bool signed_floats(const BakeOptions& options) {
   return options.signed_floats || options.type != SampleType::f32;
 }
 
-// The surface's normals in the mesh's space, one per texel: from -1 to 1, or, where floats are to be written
-// so, from 0 to 1.
+// The surface's normals in the mesh's space, one per texel: from -1 to 1 or, if floats are to be written in
+// that form, from 0 to 1.
 Image normals_of(const PlacedSurface& surface, bool v_up, const BakeOptions& options) {
   Image image(options.width, options.height, 3, SampleType::f32);
   auto& samples = std::get<2>(image.samples);
@@ -151,7 +151,7 @@ BakeResult bake_normal_map(const PlacedSurface& surface, std::span<const MapPiec
   convert.signed_floats = signed_floats(options);
   BakeResult result;
   result.map = convert_normal_map(normals_of(surface, pieces.front().v_up, options), pieces, convert);
-  // In each channel: half a code by rounding, a whole one by dithering, which floats do not have.
+  // Per channel: half a code by rounding, a whole one by dithering, neither for floats.
   const double off = options.type == SampleType::f32
                          ? 0x1p-24
                          : (options.dither ? 2 : 1) / normal_map::most_of(options.type);

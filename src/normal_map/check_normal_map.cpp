@@ -28,8 +28,8 @@ void check_image(const Image& map) {
 
 // ---- slopes -----------------------------------------------------------------------------------------------
 
-// -x/z and -y/z, means over squares of texels, with the most that rounding did to each; NaN where z is too
-// small to tell.
+// -x/z and -y/z, averaged over squares of texels, with the largest error by rounding; NaN where z is too
+// small.
 struct Slopes {
   struct Cell {
     float p, q, p_error, q_error;
@@ -66,12 +66,12 @@ Slopes halved(const Slopes& fine) {
   return coarse;
 }
 
-// How the derivatives down the image of one slope and along it of the other agree.
+// The agreement between the derivative of one slope down the image and that of the other along it.
 struct Agreement {
   std::size_t alike = 0, opposite = 0;                       // cells where both are beyond rounding
   double sum_square = 0, difference_square = 0, square = 0;  // over cells where one is
 
-  // \param a, b and what rounding does to them
+  // \param a, b and their errors by rounding
   void add(double a, double a_error, double b, double b_error) {
     const bool a_counts = std::fabs(a) > a_error, b_counts = std::fabs(b) > b_error;
     if (a_counts && b_counts) ++(a * b > 0 ? alike : opposite);
@@ -84,14 +84,14 @@ struct Agreement {
   double share() const {
     return static_cast<double>(std::max(alike, opposite)) / static_cast<double>(votes());
   }
-  // Of the better of both signs. Derivatives that vanish agree.
+  // For the better of the two signs. Vanishing derivatives agree.
   double residual() const { return square > 0 ? std::min(sum_square, difference_square) / square : 0; }
 };
 
 constexpr std::size_t least_votes = 16;
 constexpr double least_share = 0.8;
-// Most reliefs, compressed and noisy ones too, have a scale below it. Baked maps of what triangles leave out
-// are no relief and stay above: the least of 150 was 0.28.
+// Most reliefs, including compressed and noisy ones, have a residual below it. Maps baked for details that
+// triangles lack are no reliefs and stay above: the least of 150 was 0.28.
 constexpr double relief = 0.2;
 
 struct ScaleAgreement {
@@ -137,7 +137,7 @@ void look_at_slopes(Slopes slopes, NormalMapCheck& check) {
     if (a.votes() <= check.voting_cells) continue;
     check.voting_cells = a.votes();
     check.agreeing = a.share();
-    // Down the image is against w: with green up the two are opposite.
+    // v runs down the image, against w: with green up the derivatives are opposite.
     check.green = a.opposite > a.alike ? MapGreen::opengl : MapGreen::directx;
   }
 }
@@ -150,7 +150,7 @@ NormalMapCheck check_normal_map(const Image& map, bool signed_floats) {
   const normal_map::Coding coding(map.type(), signed_floats);
   const bool floats = map.type() == SampleType::f32;
   const double half_code = floats ? 1e-7 : 1 / normal_map::most_of(map.type());
-  // A relief too flat for 8 bits is none: what deeper maps hold below that is left over from a bake.
+  // A relief too flat for 8 bits does not count: smaller slopes in deeper maps are residue of a bake.
   const double half_code_of_slopes = 1 / normal_map::most_of(SampleType::u8);
   const double off = floats ? 1e-6 : 2 * std::sqrt(3.0) * half_code * (1 + 1e-9);
   NormalMapCheck check;
@@ -191,7 +191,7 @@ NormalMapCheck check_normal_map(const Image& map, bool signed_floats) {
 
 namespace {
 
-// Which island each texel belongs to, of all pieces one after the other; -1: to none.
+// The island of each texel, numbered over all pieces; -1: none.
 class Islands {
  public:
   Islands(std::span<const MapPiece> pieces, int width, int height)

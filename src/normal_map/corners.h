@@ -41,7 +41,7 @@ class Corners {
  private:
   const MapPiece* piece_;
   MapBasis basis_;
-  MeshFrames frames_;  // where they are made anew
+  MeshFrames frames_;  // if they are recomputed
 };
 
 }  // namespace darboux::normal_map

@@ -1,5 +1,5 @@
 /// \file coverage.h
-/// Which texels of a map a triangle covers, exactly.
+/// The exact set of texels that a triangle covers.
 #pragma once
 
 #include <array>
@@ -17,13 +17,13 @@ struct Span {
   std::array<double, 3> weights{};
 };
 
-/// A triangle in the plane of texels, whose corners are rounded to multiples of 2^-32. Everything below is
-/// exact but for the weights, whose error is a few roundings of 1.
+/// A triangle in the plane of texels, with corners rounded to multiples of 2^-32. Everything below is exact
+/// except the weights, whose error is a few roundings of 1.
 class TexelTriangle {
  public:
   static constexpr double farthest = 1 << 22;  ///< texels from 0 that corners may lie
 
-  /// \param corners in texels, no farther than that \returns nothing where it has no area
+  /// \param corners in texels, no farther than that \returns none if it has no area
   static std::optional<TexelTriangle> of(const std::array<Vec2<double>, 3>& corners) {
     TexelTriangle result;
     for (std::size_t k = 0; k < 3; ++k) result.p_[k] = {fixed(corners[k].x), fixed(corners[k].y)};
@@ -43,14 +43,14 @@ class TexelTriangle {
   /// In texels.
   double area() const { return area_ / 2 * 0x1p-64; }
 
-  /// Of the weights from a texel to the next one.
+  /// The difference of the weights between adjacent texels.
   double step(std::size_t k) const {
     return -sign_ * static_cast<double>(Wide{end(k).y - start(k).y} << 32) / area_;
   }
 
-  /// The texels of a row whose centres lie inside. A centre on an edge belongs to the side that the edge's
-  /// direction gives, so to one of two triangles that pass it in opposite directions once both are wound
-  /// alike.
+  /// The texels of a row whose centres lie inside. A centre on an edge belongs to the side given by the
+  /// edge's direction, hence to one of two triangles that share the edge in opposite directions, once both
+  /// are wound alike.
   Span span(std::int64_t row) const {
     const Point first{half, row * one + half};  // the centre of column 0
     Span span{-(std::int64_t{1} << 40), std::int64_t{1} << 40, {}};

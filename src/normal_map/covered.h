@@ -20,7 +20,7 @@ inline std::string name_of(const MapPiece& piece) {
   return "mesh " + std::to_string(piece.mesh_index) + " primitive " + std::to_string(piece.primitive);
 }
 
-/// A triangle of a piece in texels; nothing where it has no area. \throws MeshError for uvs too far out
+/// A triangle of a piece in texels; none if it has no area. \throws MeshError for uvs too far out
 inline std::optional<TexelTriangle> texel_triangle(const MapPiece& piece, std::size_t triangle, int width,
                                                    int height) {
   std::array<Vec2<double>, 3> corners;
@@ -35,7 +35,7 @@ inline std::optional<TexelTriangle> texel_triangle(const MapPiece& piece, std::s
   return TexelTriangle::of(corners);
 }
 
-/// Texels and rows that triangles cover, summed up, against what a map may be asked.
+/// The total of texels and rows that triangles cover, and its limit for a map.
 class Work {
  public:
   void add(const TexelTriangle& triangle) {
@@ -43,7 +43,7 @@ class Work {
     done_ += triangle.area() + static_cast<double>(last - first);
     ++triangles_;
   }
-  /// \throws MeshError where it is too much
+  /// \throws MeshError if it is too much
   void check(std::size_t texels) const {
     if (done_ > 64.0 * static_cast<double>(texels) + 16.0 * triangles_ + 0x1p22)
       throw MeshError("map", expected_got("uvs that cover the map at most 64 times",

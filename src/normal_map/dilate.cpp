@@ -7,7 +7,7 @@
 namespace darboux::normal_map {
 namespace {
 
-// The neighbours of texels, beside first.
+// The neighbours of texels, direct ones first.
 class Neighbours {
  public:
   Neighbours(const Image& image, std::array<bool, 2> wraps)
@@ -45,7 +45,7 @@ std::size_t dilate(Image& image, std::vector<TexelState>& states, int steps, std
     return states[texel] == TexelState::covered || states[texel] == TexelState::dilated;
   };
   std::size_t count = 0;
-  // Empty texels beside one that is filled, each with it.
+  // Empty texels next to a filled one, each with that one.
   std::vector<std::array<std::size_t, 2>> ring, next;
   std::vector<bool> listed(states.size());
   const auto list = [&](std::size_t texel) {

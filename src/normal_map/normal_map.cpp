@@ -33,13 +33,13 @@ using normal_map::wrapped;
 constexpr std::int64_t band_rows = 64;
 constexpr std::uint32_t nobody = std::numeric_limits<std::uint32_t>::max();
 
-// A triangle that covers something.
+// A triangle that covers texels.
 struct MapTriangle {
   TexelTriangle texels;
   std::uint32_t piece, triangle;
 };
 
-// What the rows of one band found.
+// The counts of the rows of one band.
 struct BandTally {
   std::size_t covered = 0, conflicts = 0, below_surface = 0, not_finite = 0, no_frame = 0, too_long = 0,
               outside_map = 0, condition_above_10 = 0;
@@ -198,7 +198,7 @@ class Converter {
     }
   }
 
-  // The part of begin to end - 1 that the map does not cut off.
+  // The part of begin to end - 1 that is inside the map.
   static std::array<std::int64_t, 2> limits(std::int64_t begin, std::int64_t end, std::int64_t size,
                                             MapWrap wrap) {
     if (wrap != MapWrap::clamp) return {begin, end};
@@ -234,7 +234,7 @@ class Converter {
     }
   }
 
-  // f(span, y, row of the map) for the rows of a triangle that lie in the band.
+  // Calls f(span, y, row of the map) for the rows of a triangle in the band.
   template <class F>
   void rows(std::size_t band, std::uint32_t index, const F& f) const {
     const MapTriangle& of = triangles_[index];
@@ -245,7 +245,8 @@ class Converter {
     const std::int64_t height = map_.height, top = static_cast<std::int64_t>(band) * band_rows,
                        bottom = std::min(top + band_rows, height);
     const auto copy_of = [&](std::int64_t y) { return y >= 0 ? y / height : -1 - (-1 - y) / height; };
-    // The band in each copy of the map that the triangle reaches; upside down in the odd ones that mirror.
+    // The band in each copy of the map that the triangle reaches; upside down in odd copies if the map
+    // mirrors.
     for (std::int64_t copy = copy_of(low); copy <= copy_of(high - 1); ++copy) {
       const bool turned = wrap == MapWrap::mirror && copy % 2 != 0;
       const std::int64_t begin = copy * height + (turned ? height - bottom : top),
@@ -255,7 +256,7 @@ class Converter {
     }
   }
 
-  // f(column beyond the map too, texel) for the texels of a span.
+  // Calls f(column, possibly outside the map, texel) for the texels of a span.
   template <class F>
   void each_texel(const Span& span, std::int64_t row, std::uint32_t owner, BandTally& tally,
                   const F& f) const {
@@ -305,11 +306,11 @@ class Converter {
   struct Wanted {
     Vec3<double> direction;  // of any length, in the space to be written
     double length = 1;       // to be written
-    bool finite = true;      // what was read is a direction
+    bool finite = true;      // whether the texel read is a direction
     bool below_surface = false, too_long = false;
   };
 
-  // What the map has, in its own space; green up.
+  // The direction in the map, in its own space; green up.
   Wanted read(std::size_t texel) const {
     Wanted result;
     std::array<double, 3> codes = in_.get(texel);
@@ -381,7 +382,7 @@ class Converter {
     return true;
   }
 
-  // A second triangle at a texel.
+  // Compares a further triangle at a texel.
   void compare(std::size_t texel, std::uint32_t owner, const std::array<double, 3>& codes, BandTally& tally) {
     const std::array<double, 3> stored = out_->get(texel);
     const double step = normal_map::code_step(out_type_);
@@ -402,7 +403,7 @@ class Converter {
 
   // ---- the rest -------------------------------------------------------------------------------------------
 
-  // Texels that nothing covers, and alpha.
+  // Uncovered texels, and alpha.
   void finish_band(std::size_t band) {
     const std::size_t width = static_cast<std::size_t>(map_.width);
     const std::size_t begin = band * band_rows * width,

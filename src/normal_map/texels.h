@@ -51,7 +51,7 @@ class Coding {
     return static_cast<std::int32_t>(std::min(most_, std::max(0.0, x * half + (half + shift))));
   }
 
-  // In [0, 1), of the seed and the place: splitmix64.
+  // In [0, 1), from the seed and the texel: splitmix64.
   double noise(std::uint64_t place) const {
     std::uint64_t z = (*dither_ ^ 0x6a09e667f3bcc909u) + (place + 1) * 0x9e3779b97f4a7c15u;
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;

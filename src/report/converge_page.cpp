@@ -16,12 +16,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Three digits are what a picture shows, and no zeros behind them; null: no number.
+// A picture needs only three digits, without trailing zeros; null if there is no number.
 Json shown(double x, int digits = 3) {
   return std::isfinite(x) ? Json::parse(rounded(x, digits)) : Json(nullptr);
 }
 
-// Names, each once, and their places.
+// Distinct names and their indices.
 struct Names {
   std::vector<std::string> list;
   std::size_t place(std::string_view name) {
@@ -32,8 +32,8 @@ struct Names {
   }
 };
 
-// A study as the script unpacks it, in the order of its columns; `grid` are the widths of its surface and
-// mesh.
+// A study in the format that the script unpacks, in the order of its columns; `grid` has the widths of its
+// surface and mesh.
 Json study_row(const Study& s, std::size_t surface, std::size_t mesh, std::size_t method,
                const std::map<int, double>& grid) {
   Json at = Json::array(), rms = Json::array(), p95 = Json::array(), max = Json::array(),
@@ -71,7 +71,7 @@ Json study_row(const Study& s, std::size_t surface, std::size_t mesh, std::size_
           spread ? most : Json(nullptr)};
 }
 
-// What the page's script unpacks: names by their places, widths once per surface and mesh, times once per
+// The data that the page's script unpacks: names by index, widths once per surface and mesh, times once per
 // surface, mesh and method.
 Json page_data(const std::vector<Study>& studies) {
   Names surfaces, meshes, methods;

@@ -207,7 +207,7 @@ std::vector<std::string> unexpected(const std::vector<Study>& studies) {
 
 namespace {
 
-// Of the tangents on one family of meshes of one surface: what each method erred by, and how long it took.
+// For the tangents on one family of meshes of one surface: the error and run time of each method.
 std::string levels_markdown(const std::vector<Study>& studies, const OrderTable& table) {
   std::vector<const Study*> rows;
   std::set<int> resolutions;

@@ -23,10 +23,9 @@ std::string studies_csv(const std::vector<Study>& studies);
 /// "405 studies: 269 as expected, 3 faster, 91 at the floor, 42 without convergence, where none is expected".
 std::string verdict_summary(const std::vector<Study>& studies);
 
-/// Orders of the tangents for a terminal: a block for every surface and mesh, a row per method, a column per
-/// class.
+/// Orders of the tangents for a terminal: a block per surface and mesh, a row per method, a column per class.
 std::string orders_text(const std::vector<Study>& studies);
-/// The same as Markdown, with errors and run times of each resolution, and what is not as expected behind it.
+/// The same as Markdown, with errors and run times of each resolution, followed by unexpected orders.
 std::string converge_markdown(const std::vector<Study>& studies, const Provenance& provenance);
 /// The orders that are not as expected: "slower: torus, jittered mesh, ...", one line each.
 std::vector<std::string> unexpected(const std::vector<Study>& studies);

@@ -6,7 +6,7 @@ namespace darboux {
 
 std::string escape(std::string_view given) {
   using Json = nlohmann::json;
-  // What is not UTF-8 becomes U+FFFD.
+  // Invalid UTF-8 becomes U+FFFD.
   const std::string text =
       Json::parse(Json(given).dump(-1, ' ', false, Json::error_handler_t::replace)).get<std::string>();
   std::string result;

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Of numbers of any size: half of the difference of two doubles is finite.
+// For numbers of any size: half the difference of two doubles is finite.
 struct Interval {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   void add(double x) {
@@ -87,7 +87,7 @@ Json mesh_picture(const Mesh& mesh, const PictureOf& of) {
                                                  std::lround(254 * std::fmin(errors[i] / of.limit_deg, 1))));
   }
 
-  // The script only needs the box's shape.
+  // The script needs only the shape of the box.
   const double largest = std::fmax(std::fmax(box[0].half(), box[1].half()), box[2].half());
   Json shape = Json::array();
   for (const Interval& range : box) shape.push_back(largest > 0 ? range.half() / largest : 0);
@@ -106,7 +106,7 @@ Json mesh_picture(const Mesh& mesh, const PictureOf& of) {
 }
 
 std::vector<std::size_t> picture_steps(const std::vector<std::size_t>& triangles, std::size_t most) {
-  // The share that the largest ones may have, once the smaller ones have all of theirs.
+  // The number of triangles that each of the largest may have, once the smaller ones have all of theirs.
   std::vector<std::size_t> sorted = triangles;
   std::sort(sorted.begin(), sorted.end());
   std::size_t left = most, share = std::numeric_limits<std::size_t>::max();

@@ -20,9 +20,9 @@ struct PictureOf {
   std::size_t step;                          ///< every step-th triangle is drawn
 };
 
-/// Arrays in base64: places and uvs in 16 bits of their ranges, the error of a vertex (its corners' largest)
-/// as 0 to 254 on the scale to the limit, 255 where nothing is compared. Triangles whose positions are not
-/// finite are left out; uvs that are not finite are 0xffff.
+/// Arrays in base64: positions and uvs in 16 bits of their ranges, the error of a vertex (the largest of its
+/// corners) as 0 to 254 on the scale to the limit, 255 if nothing is compared. Triangles whose positions are
+/// not finite are omitted; uvs that are not finite are 0xffff.
 nlohmann::ordered_json mesh_picture(const Mesh& mesh, const PictureOf& of);
 
 /// The step for each picture such that at most `most` triangles are drawn in total. The largest pictures are

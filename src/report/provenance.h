@@ -15,10 +15,10 @@ struct Provenance {
   std::string command;   ///< the command line that reproduces the run
   std::string seeds;     ///< of random numbers: "1", "1 to 3"
 };
-/// Of this process, now, without seeds. The processor is read from /proc/cpuinfo, "unknown processor" where
-/// there is none.
+/// Of this process, now, without seeds. The processor is read from /proc/cpuinfo; "unknown processor" if that
+/// fails.
 Provenance provenance(std::string version, std::string command);
-/// The section that ends a page, and how to cite.
+/// The last section of a page, with how to cite.
 std::string provenance_html(const Provenance& provenance);
 
 }  // namespace darboux

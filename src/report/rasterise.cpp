@@ -57,12 +57,12 @@ class ExactSum {
   std::size_t count_ = 0;
 };
 
-// a × b of points in pixels times w: its product with (x, y, 1) is zero on the line through a and b. b × a is
-// the same with the other sign, to the last bit.
+// a × b of points in pixels times w: its product with (x, y, 1) is zero on the line through a and b. b × a
+// is its exact negative.
 struct Edge {
   Edge(const Vec3<double>& from, const Vec3<double>& to, double width, double height)
       : a(from), b(to), x(a.y * b.z - a.z * b.y), y(a.z * b.x - a.x * b.z), z(a.x * b.y - a.y * b.x) {
-    // Three roundings of each product, two of each sum, and once more as much to be sure.
+    // Three roundings per product, two per sum, doubled for safety.
     constexpr double roundings = 10 * 0x1p-53;
     doubt = roundings * (width * (std::fabs(a.y * b.z) + std::fabs(a.z * b.y)) +
                          height * (std::fabs(a.z * b.x) + std::fabs(a.x * b.z)) + std::fabs(a.x * b.y) +
@@ -73,8 +73,8 @@ struct Edge {
 
   double at(double px, double py) const { return px * x + py * y + z; }
 
-  // The side of the line on which a point is; of one on it, on which it would be a little to the right, and
-  // far less below: never 0, but for an edge without length.
+  // The side of the line on which a point is. A point on it counts as slightly to the right, and far less
+  // below: never 0, except for an edge without length.
   int side(double px, double py, double value) const {
     if (std::fabs(value) > doubt) return sign(value);
     ExactSum sum;
@@ -97,7 +97,7 @@ struct Edge {
 // The pixels whose centres may lie between two coordinates.
 std::pair<int, int> pixels(double least, double most, int size) {
   const auto clamped = [&](double x) { return static_cast<int>(std::clamp(x, 0.0, double(size))); };
-  // A pixel more than rounding asks for.
+  // One pixel more than rounding requires.
   return {clamped(least - 1 - 1e-9 * std::fabs(least)), clamped(most + 2 + 1e-9 * std::fabs(most))};
 }
 
@@ -181,7 +181,7 @@ void Rasteriser::draw(const Corner& a, const Corner& b, const Corner& c, const P
     top = std::fmin(top, y);
     bottom = std::fmax(bottom, y);
   };
-  // The box of what lies beyond the near plane.
+  // The box of the part beyond the near plane.
   double facing[3], nearest = infinity, farthest = -infinity, sum_of_facing = 0;
   int with_facing = 0;
   for (int i = 0; i < 3; ++i) {
@@ -219,14 +219,15 @@ void Rasteriser::draw(const Corner& a, const Corner& b, const Corner& c, const P
       const double e[3] = {edges[0].at(px, py), edges[1].at(px, py), edges[2].at(px, py)};
       const int side = edges[0].side(px, py, e[0]);
       if (side == 0 || edges[1].side(px, py, e[1]) != side || edges[2].side(px, py, e[2]) != side) continue;
-      // In triangles far smaller than a pixel rounding may be all there is: they stay within the triangle.
+      // In triangles far smaller than a pixel the weights may be mere rounding: they are clamped to the
+      // triangle.
       double weights[3] = {std::fmax(0, side * e[0]), std::fmax(0, side * e[1]), std::fmax(0, side * e[2])};
       const double sum = weights[0] + weights[1] + weights[2];
       for (double& weight : weights) weight = sum > 0 ? weight / sum : 1.0 / 3;
       const double depth = weights[0] * a.depth + weights[1] * b.depth + weights[2] * c.depth;
       const double f = weights[0] * facing[0] + weights[1] * facing[1] + weights[2] * facing[2];
       const std::size_t i = index(x, y);
-      // What lies behind the eye has a negative depth here.
+      // Points behind the eye have negative depth here.
       const bool nearer = depth < depth_[i] || (depth == depth_[i] && order < order_[i]);
       if (!(depth >= near_ && depth <= far_ && nearer) || (!material.double_sided && !(f > 0))) continue;
       depth_[i] = depth;

@@ -57,8 +57,8 @@ Vec3<double> bump(const Vec2<double>& uv);
 /// eye.
 ///
 /// Colour: position, t, b, n and uv are interpolated linearly in space, t, b and n are normalised, and light
-/// falls on n' = t x + b y + n z, where (x, y, z) is the texel of the normal map, (0, 0, 1) without one; with
-/// one in object space on (x, y, z).
+/// falls on n' = t x + b y + n z, where (x, y, z) is the texel of the normal map, (0, 0, 1) without one. An
+/// object-space map gives n' = (x, y, z) directly.
 class Rasteriser {
  public:
   /// \throws ParameterError as Camera::check(), and for more than 2^26 pixels

@@ -21,11 +21,11 @@ struct ReportPage {
   std::string_view script, script_sha256;  ///< what draws them: it finds `kit` of page_kit.js
 };
 
-/// Question, answer, sections, where the numbers come from. Scripts of the page alone run, whatever the data
-/// hold.
+/// Question, answer, sections, provenance of the numbers. Only the page's own scripts run, whatever the data
+/// contain.
 std::string report_page(const ReportPage& page, const Provenance& provenance);
 
-/// What the script fills: a picture, and the fields of its choices. All texts are HTML.
+/// The elements that the script fills: a picture, and its controls. All texts are HTML.
 /// \param id of the canvas
 std::string picture_html(std::string_view id, std::string_view caption);
 

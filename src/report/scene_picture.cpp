@@ -29,7 +29,7 @@ void draw_tiles(Rasteriser& picture, const Scene& scene, const TileSamples& samp
       const Vec3<double> tangent = unit(turned(m, {stored[0], stored[1], stored[2]}));
       v.tangent = {tangent.x, tangent.y, tangent.z, side * stored[3]};
     }
-    // By instance and place in its chart: the order of the patches depends on what is culled.
+    // By instance and place in its chart: the order of the patches depends on culling.
     const Tile place = samples.patch().tile();
     const auto fixed = [](double x) { return static_cast<std::uint64_t>(std::ldexp(x, 14)); };
     picture.add(vertices, samples.triangles(), material(tile),

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// What is said of one surface in one sweep.
+// The results of one surface in one sweep.
 struct SweepCell {
   double error = 0;    // the largest, of curves that lead
   double factor = -1;  // error / bound where it is largest, of these; negative: no bound is stated
@@ -70,7 +70,7 @@ std::string words(std::string_view name) {
   return text;
 }
 
-// Decimal logarithms to a hundredth are what a picture shows; null: no number, or nothing left of it.
+// Decimal logarithms to a hundredth, enough for a picture; null if there is no number, or it is infinite.
 Json logarithms(const std::vector<double>& values) {
   Json list = Json::array();
   for (const double x : values) {
@@ -80,14 +80,14 @@ Json logarithms(const std::vector<double>& values) {
   return list;
 }
 
-// What errors are counted in.
+// The unit of errors.
 std::string_view error_unit(const StabilitySweep& sweep) {
   if (sweep.domain == StabilityDomain::fits) return "error in standard errors";
   if (sweep.name == "jitter" || sweep.name == "slivers") return "error in mesh widths";
   return sweep.domain == StabilityDomain::meshes ? "error in half steps" : "error in roundings";
 }
 
-// x are places in `grids`, all values of x that the curves of a sweep have.
+// x are indices into `grids`, all values of x that the curves of a sweep have.
 Json page_data(const std::vector<StabilityCurve>& curves) {
   Json list = Json::array(), sweeps = Json::object(), routes = Json::object();
   std::map<std::string_view, std::vector<double>> grids;
@@ -125,14 +125,14 @@ Json page_data(const std::vector<StabilityCurve>& curves) {
           {"falling", falling}};
 }
 
-// How near to the bound, in five steps: to a tenth, a quarter, a half, all of it, beyond.
+// How near an error is to its bound, in five steps: up to a tenth, a quarter, a half, all of it, beyond.
 std::string_view step_of(const SweepCell& cell) {
   if (cell.beyond) return "s4";
   if (cell.factor < 0) return "unbounded";
   return cell.factor < 0.1 ? "s0" : cell.factor < 0.25 ? "s1" : cell.factor < 0.5 ? "s2" : "s3";
 }
 
-// Two digits in little room: 110, 1600, 1e12.
+// Two digits in little space: 110, 1600, 1e12.
 std::string in_cell(double error) {
   std::string text = digits_or_all(error);
   const std::size_t exponent = text.find("e+");
@@ -330,7 +330,7 @@ std::string stability_picture(const std::vector<StabilityCurve>& curves) {
   std::vector<std::string_view> routes;
   if (!curves.empty())
     for (const StabilitySweep& sweep : stability_sweeps()) {
-      // The quantity in which some route errs most.
+      // The quantity with the largest error of any route.
       const StabilityCurve* worst = nullptr;
       double largest = -1;
       for (const StabilityCurve& c : curves) {

@@ -32,9 +32,9 @@ double number_of(const Json& json, double absent) {
 constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr double not_stated = std::numeric_limits<double>::quiet_NaN();
 
-// "3.1", "4.5e+09"; "all digits" where nothing is left.
+// "3.1", "4.5e+09"; "no digits" where none is correct.
 std::string roundings(double error) {
-  if (!(error < 0x1p53)) return "all digits";
+  if (!(error < 0x1p53)) return "no digits";
   char text[32];
   std::snprintf(text, sizeof text, "%.2g", error);
   return text;
@@ -163,7 +163,7 @@ std::string stability_text(const std::vector<StabilityCurve>& curves) {
       "Errors in roundings (2^-53 in double), over meshes in half steps of the stored data, of fits in "
       "standard\n"
       "errors. largest: of the sweep. of its bound, in, at x: where an error comes nearest to its bound, as\n"
-      "a share of it. naive: the largest error of textbook formulas; \"all digits\": no correct digit is "
+      "a share of it. naive: the largest error of textbook formulas; \"no digits\": no correct digit is "
       "left."
       "\n\n" +
       line({{"surface", 22},

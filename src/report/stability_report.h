@@ -27,7 +27,7 @@ double largest_error(const StabilityCurve& curve);
 /// Whether a bound is stated anywhere on the curve.
 bool has_bound(const StabilityCurve& curve);
 
-/// The share of a bound for people: "29 %"; "no bound" where none is stated: `factor` is negative.
+/// The share of a bound as text: "29 %"; "no bound" if none is stated: `factor` is negative.
 std::string share_text(double factor);
 
 /// Whether a curve counts in overviews: Darboux in double; every method over meshes, every fit.
@@ -37,8 +37,8 @@ bool leads(const StabilityCurve& curve);
 /// its bound and the error of the naive formulas; then every curve that exceeds its bound; then a summary.
 std::string stability_text(const std::vector<StabilityCurve>& curves);
 
-/// The same as Markdown, for docs: a table of surfaces by sweeps with the largest error and the share of its
-/// bound that is nearest to it, and one of what the naive formulas lose.
+/// The same as Markdown, for docs: a table of surfaces by sweeps with the largest error and the largest share
+/// of its bound, and one of the errors of the naive formulas.
 std::string stability_markdown(const std::vector<StabilityCurve>& curves, const Provenance& provenance);
 
 /// A self-contained HTML page: surfaces by sweeps as a table of colours, the curves of the one chosen as a

@@ -70,7 +70,7 @@ struct Header {
   std::string stem;
   std::string type;        // the surface's, e.g. "Torus"
   Lines comment;           // above the type
-  std::size_t guided = 0;  // so many doubles make one, e.g. Torus{1.0, 0.25}; 0 when that does not
+  std::size_t guided = 0;  // number of doubles that construct one, e.g. Torus{1.0, 0.25}; 0 if none
   std::map<std::string_view, Lines> facts;  // the comment above each
 };
 
@@ -117,7 +117,7 @@ Header read_header(const AnySurface& surface) {
 
 // ---- Markdown ---------------------------------------------------------------------------------------------
 
-// Prose of a comment as Markdown: status bits and parameters as code, nothing taken for markup.
+// Prose of a comment as Markdown: status bits and parameters as code, special characters escaped.
 std::string prose(std::string_view line, const std::vector<std::string_view>& code) {
   std::string result;
   if (line.starts_with("+ ") || line.starts_with("- ") || line.starts_with("# ")) result += '\\';
@@ -169,7 +169,7 @@ std::string code_block(std::string_view marker, std::string_view language, const
 
 // ---- references -------------------------------------------------------------------------------------------
 
-// A field of a BibTeX entry without its braces, empty when there is none.
+// A field of a BibTeX entry without its braces; empty if there is none.
 std::string field(std::string_view entry, std::string_view name) {
   for (const std::string_view line : split_lines(entry)) {
     const std::string_view text = without_indent(line);
@@ -209,8 +209,8 @@ std::string described(const std::string& key) {
   return result;
 }
 
-// The sources a text names as [doCarmo2016] or [doCarmo2016, sec. 2-2], with their places, in the order in
-// which they are named.
+// The sources that a text cites as [doCarmo2016] or [doCarmo2016, sec. 2-2], with the section, in the order
+// of citation.
 std::vector<std::pair<std::string, std::vector<std::string>>> citations(const std::string& text) {
   std::vector<std::pair<std::string, std::vector<std::string>>> result;
   for (std::size_t at = text.find('['); at != std::string::npos; at = text.find('[', at + 1)) {
@@ -222,7 +222,7 @@ std::vector<std::pair<std::string, std::vector<std::string>>> citations(const st
     if (!named) continue;
     auto known = std::find_if(result.begin(), result.end(), [&](const auto& c) { return c.first == key; });
     if (known == result.end()) known = result.insert(result.end(), {key, {}});
-    // With single spaces, as it may stand in two lines.
+    // With single spaces, as it may span two lines.
     std::istringstream words{std::string(inside.substr(std::min(key.size() + 1, inside.size())))};
     std::string place;
     for (std::string word; words >> word;) place += (place.empty() ? "" : " ") + word;

@@ -19,7 +19,7 @@ using Point = PicturePoint;  // x and y in tenths of a pixel
 constexpr double picture_width = 4000, picture_height = 3000, margin = 420, arrow_length = 430,
                  head_length = 75;
 
-// Where the light comes from: above the viewer's left shoulder.
+// The direction to the light: above the viewer's left shoulder.
 const Vec3<double> to_light = unit(-0.35 * to_right + 0.65 * upward + 0.7 * to_viewer);
 
 constexpr int shades = 20;
@@ -47,14 +47,14 @@ std::string text(double x) {
   return std::to_string(std::lround(x));
 }
 
-// "12 -3" with no more spaces than it takes.
+// "12 -3" with only the necessary spaces.
 void append(std::string& path, std::string_view number) {
   const char last = path.back();
   if (number[0] != '-' && last >= '0' && last <= '9') path += ' ';
   path += number;
 }
 
-// A path through these points; after the first they are relative, to save bytes.
+// A path through these points; relative after the first, to save bytes.
 std::string path(const std::vector<Point>& points, bool closed) {
   std::string result = "M";
   long x = 0, y = 0;
@@ -131,7 +131,7 @@ class Drawing {
                    view_(position(i, j + 1))},
                   0};
         if (!std::all_of(cell.corners.begin(), cell.corners.end(), finite)) continue;
-        // Whole tenths, so that rounding does not decide what is in front.
+        // Rounded to tenths, so that rounding does not decide what is in front.
         for (const Point& p : cell.corners) cell.depth += std::round(p.z);
         cells_.push_back(cell);
       }
@@ -139,7 +139,7 @@ class Drawing {
                      [](const Cell& a, const Cell& b) { return a.depth < b.depth; });
   }
 
-  // The unit normal in the middle of a cell: the surface's, or where it has none the cell's own.
+  // The unit normal in the middle of a cell: the surface's or, if it has none, the cell's own.
   Vec3<double> normal(const Cell& cell) const {
     const Vec3<double> n = surface_.frame((cell.i + 0.5) / columns_, (cell.j + 0.5) / rows_).n;
     if (finite(n)) return n;
@@ -167,7 +167,7 @@ class Drawing {
     line(cell.i, columns_, c[3], c[0]);
   }
 
-  // Paths of one kind that follow each other are one.
+  // Consecutive paths of one kind are merged.
   void add(const std::string& kind, const std::string& d) {
     if (kind != kind_) {
       end_path();
@@ -192,8 +192,7 @@ class Drawing {
            ";stroke-width:5}";
   }
 
-  // Up to three crossings of lines, far from each other, that nothing hides; with n to the viewer where there
-  // are such.
+  // Up to three visible crossings of lines, far apart; with n towards the viewer if there are such.
   std::vector<Vec2<double>> frame_points() const {
     struct Candidate {
       Vec2<double> uv;
@@ -253,7 +252,7 @@ class Drawing {
     });
   }
 
-  // Whether all arrows are seen from the side and none lies on another.
+  // Whether all arrows are seen from the side and none overlaps another.
   static bool legible(const Frame<double>& f) {
     std::array<Vec2<double>, 3> seen;
     const std::array axes{f.t, f.b, f.n};

@@ -46,7 +46,7 @@ bool is_single(const WorkSample& s) {
   return s.method.ends_with("-float");
 }
 
-// Numbers to four digits are what a picture shows; null: none, or no end.
+// A picture needs only four digits; null if there is no number, or it is infinite.
 Json plotted(double x) {
   return std::isfinite(x) ? Json::parse(rounded(x, 4)) : Json(nullptr);
 }
@@ -153,7 +153,7 @@ namespace {
 
 constexpr double work_panel_width = 300, work_panel_height = 210, work_gap = 85;
 constexpr std::size_t work_columns = 3, most_panels = 12;
-constexpr double least_value = 1e-17;  // what is below it, as no error at all, is drawn there
+constexpr double least_value = 1e-17;  // smaller values, including 0, are drawn there
 
 // A logarithmic axis from one decade to another.
 struct LogAxis {

@@ -69,7 +69,7 @@ nlohmann::ordered_json work_json(const std::vector<WorkSample>& samples) {
                 {"rounds_ns", s.rounds},
                 {"time_low_ns", s.rounds.empty() ? Json(nullptr) : finite_or_null(s.time_low)},
                 {"time_high_ns", s.rounds.empty() ? Json(nullptr) : finite_or_null(s.time_high)}};
-    // Those that it has; null: no number came.
+    // Only the metrics that it has; null if one is infinite.
     sample["metrics"] = Json::object();
     for (std::size_t k = 0; k < work_metrics.size(); ++k)
       if (!std::isnan(s.metric[k]))
@@ -154,7 +154,7 @@ std::vector<WorkGroup> work_groups(const std::vector<WorkSample>& samples) {
   }
   for (WorkGroup& group : groups) {
     group.name = kind_of(group.surface);
-    // Two of one kind are told apart by their parameters.
+    // Two surfaces of one kind are distinguished by their parameters.
     for (const WorkGroup& other : groups)
       if (other.surface != group.surface && kind_of(other.surface) == kind_of(group.surface))
         group.name = group.surface;
@@ -186,7 +186,7 @@ std::string work_axis(std::string_view metric, WorkDomain domain) {
 std::string work_summary(const std::vector<WorkSample>& samples) {
   const auto failed =
       std::count_if(samples.begin(), samples.end(), [](const WorkSample& s) { return !s.failure.empty(); });
-  // An error that is infinite: the method answered no frame somewhere.
+  // An infinite error: the method returned no frame somewhere.
   const auto numberless = std::count_if(samples.begin(), samples.end(), [](const WorkSample& s) {
     return std::any_of(s.metric.begin(), s.metric.end(), [](double x) { return std::isinf(x); });
   });

@@ -21,8 +21,8 @@ WorkSample work_sample_of(const nlohmann::ordered_json& json);
 /// One row per sample, with a header.
 std::string work_csv(const std::vector<WorkSample>& samples);
 
-/// For a terminal: per surface and mesh a line per method that none of its family dominates, the front
-/// marked; then what failed, and a sentence.
+/// For a terminal: per surface and mesh, one line per method that no other of its family dominates, with the
+/// front marked; then what failed, and a summary sentence.
 std::string work_text(const std::vector<WorkSample>& samples, const WorkAxes& axes);
 /// The same as Markdown.
 std::string work_markdown(const std::vector<WorkSample>& samples, const WorkAxes& axes,
@@ -45,9 +45,9 @@ std::string comparisons_text(const std::vector<WorkComparison>& comparisons, dou
 
 // ---- shared by the page and the tables --------------------------------------------------------------------
 
-/// Samples of one surface at points, or on one family of meshes of it: what is compared with one another.
+/// Samples of one surface at points, or on one family of meshes of it, which are compared with one another.
 struct WorkGroup {
-  std::string surface, name;  ///< the specification; what tells it apart from the others
+  std::string surface, name;  ///< the specification; a name that distinguishes it from the others
   WorkDomain domain;
   std::string mesh;
   std::vector<const WorkSample*> samples;

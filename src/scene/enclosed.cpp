@@ -48,7 +48,7 @@ E length(const V& a) {
 double over(double a, double least) {
   return least > 0 ? (Interval(a) / least).hi : infinity;
 }
-// The length of a vector: that of its enclosure, or a bound by other means.
+// The length of a vector: that of its enclosure, or a bound found by other means.
 double length_of(const V& enclosed, const Interval& bound) {
   const double a = length(enclosed).hi();
   return std::isnan(a) ? bound.hi : std::fmin(a, bound.hi);
@@ -139,7 +139,7 @@ TileRates second_rates(const Jet2<E>& j, const ThirdPartials& third) {
 // ---- knots
 // -------------------------------------------------------------------------------------------------
 
-// Where along u or v a surface is only piecewise smooth, and how many derivatives are continuous there.
+// Where a surface is only piecewise smooth along u or v, and how many derivatives are continuous there.
 struct Break {
   double at;
   int continuous;
@@ -151,7 +151,7 @@ void add_knots(std::vector<Break>& breaks, const KnotVector<double>& knots, int 
     breaks.push_back({at, knots.degree() - static_cast<int>(count) - lost});
   }
 }
-// Those of a curve, of whose derivatives `lost` are in the surface's position.
+// The breaks of a curve, of whose derivatives `lost` appear in the surface's position.
 template <class C>
 void add_curve(std::vector<Break>& breaks, const C& curve, int lost = 0) {
   if constexpr (requires { curve.knots(); })
@@ -182,8 +182,8 @@ std::vector<Break> breaks_of(const X& s, int along) {
   return result;
 }
 
-// The tile's part of an axis, cut where the surface is not smooth. A crease at its upper end belongs to it
-// with the frame from above.
+// The tile's part of an axis, cut where the surface is not smooth. A crease at its upper end belongs to the
+// tile with the frame from above.
 struct Cuts {
   std::vector<Interval> pieces;
   int continuous = 2;  // derivatives, 2 standing for more
@@ -202,7 +202,7 @@ struct Cuts {
 // ---- running formulas
 // --------------------------------------------------------------------------------------
 
-// What bounds are made of, over a tile.
+// The quantities over a tile from which bounds are computed.
 struct Partials {
   Jet2<E> jet;
   ThirdPartials third;
@@ -265,7 +265,7 @@ Enclosed enclose_as(const X& surface, const Tile& tile, TileOrder order) {
           .second = second ? second_rates(jet, all->third) : TileRates{}};
 }
 
-// Of whichever type the surface is.
+// Selects the type of the surface.
 template <class... X>
 std::shared_ptr<const Enclosed> enclose_one_of(const AnySurface& surface, const Tile& tile, TileOrder order) {
   std::shared_ptr<const Enclosed> result;
@@ -284,7 +284,7 @@ std::shared_ptr<const Enclosed> enclose_one_of(const AnySurface& surface, const 
 
 std::shared_ptr<const Enclosed> enclose(const AnySurface& surface, const Tile& tile, TileOrder order) {
   using Spline = BSplineCurve<>;
-  // Those without a closed form whose formulas run on intervals.
+  // Surfaces without closed-form bounds whose formulas can be evaluated on intervals.
   return enclose_one_of<
       Torus<>, Ellipsoid<>, EllipticParaboloid<>, HyperbolicParaboloid<>, OneSheetHyperboloid<>,
       TwoSheetHyperboloid<>, Helicoid<>, Catenoid<>, MoebiusStrip<>, KleinBottle<>, Enneper<>, MonkeySaddle<>,

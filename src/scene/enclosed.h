@@ -15,7 +15,7 @@ struct Enclosed {
   Interval area;           // its length
   double side;             // sign by which the unit normal is multiplied to give n; 0: either
   bool smooth;             // dpdu and dpdv are continuous
-  TileRates second;        // second derivatives of the frame, where they were asked for
+  TileRates second;        // second derivatives of the frame, if requested
 };
 
 // Null for surfaces whose formulas do not support intervals, and if a formula would branch within the tile.

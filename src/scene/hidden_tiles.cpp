@@ -10,7 +10,7 @@ std::uint64_t HiddenTiles::find(std::span<const Shown> shown, std::span<const Ar
   cover(shown, around);
   occlusion_.finish();
   if (occlusion_.empty()) return 0;
-  // Of smaller ones, tiles one by one are not worth it.
+  // Testing the tiles of smaller instances one by one is not worth it.
   constexpr double large = 4;
   std::uint64_t count = 0;
   for (std::size_t k = 0; k < shown.size(); ++k) {
@@ -28,7 +28,7 @@ std::uint64_t HiddenTiles::find(std::span<const Shown> shown, std::span<const Ar
 }
 
 void HiddenTiles::cover(std::span<const Shown> shown, std::span<const Around> around) {
-  // Smaller ones hide little. In cells of the view, of which there are 128 in a row.
+  // Smaller ones hide little. In cells of the depth buffer, which has 128 in a row.
   constexpr double smallest = 5;
   constexpr std::size_t most = 16;
   struct Candidate {

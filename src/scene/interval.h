@@ -114,7 +114,7 @@ inline Turn<Interval> of_period(const Interval& x, double period) {
     return period == 1 ? darboux::sincos_turns(t) : darboux::sincos_half_turns(t);
   };
   const Turn<double> a = at(x.lo), b = at(x.hi);
-  // Whether x holds `first` plus a whole number of periods, widened by what x itself is rounded.
+  // Whether x contains `first` plus a whole number of periods, widened by the rounding of x itself.
   const auto holds = [&](double first) {
     const double slack = 4 * 0x1p-52 * (x.size() + period);
     return std::floor((x.hi + slack - first * period) / period) >=

@@ -82,7 +82,7 @@ void KeptAnswers::finish() {
   Kept k{first_, static_cast<std::uint32_t>(answers_.size() - first_), reach_,
          limit(slack_of_whole_.moving, false), limit(slack_of_whole_.turning, true)};
   for (const Answer& a : std::span(answers_).subspan(first_)) k.lower(counts_turning(a.question), a.limit);
-  // In the place of the old ones, if there is enough.
+  // Reuses the space of the old ones, if it is large enough.
   dropped_ += old.count;
   if (k.count > 0 && k.count <= old.count) {
     std::copy(answers_.begin() + static_cast<std::ptrdiff_t>(first_), answers_.end(),

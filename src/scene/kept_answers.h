@@ -81,7 +81,7 @@ class KeptAnswers {
     double limit;
     std::uint32_t node;
     Question question;
-    std::uint8_t planes;  // that were asked about
+    std::uint8_t planes;  // for which it was asked
     std::uint16_t value;
   };
   // The answers of an instance. All are valid while moved <= moving and moved + reach · turned <= turning.

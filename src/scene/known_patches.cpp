@@ -9,7 +9,7 @@
 namespace darboux {
 namespace {
 
-// What makes two patches of a surface the same, but for the samples on their edges.
+// A key for patches of a surface that are the same, except for the samples on their edges.
 std::pair<std::uint64_t, std::uint64_t> place_of(const ScenePatch& p) {
   return {
       std::uint64_t{p.surface} << 32 | std::uint64_t{p.cells_u} << 16 | p.cells_v,

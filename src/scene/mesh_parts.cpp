@@ -27,9 +27,9 @@ bool is_outside(const SceneMeshPart& part, const Eigen::Affine3d& placement, dou
   return false;
 }
 
-// n · (eye - p) is at most |eye - c| cos(φ - θ) + r: φ the angle to the axis of the cone of θ, c and r
-// the centre and radius of the box. A mirror turns the winding and the side that it shows: in the mesh's
-// own space nothing changes.
+// n · (eye - p) is at most |eye - c| cos(φ - θ) + r: φ is the angle to the axis of the cone of half-angle
+// θ, c and r are the centre and radius of the box. A mirroring placement flips both the winding and the
+// visible side: in the mesh's own space nothing changes.
 bool faces_away(const SceneMeshPart& part, const Eigen::Affine3d& placement, const View& view) {
   const Eigen::Matrix3d m = placement.linear();
   if (!(std::fabs(m.determinant()) > 1e-3 * m.colwise().norm().prod())) return false;
@@ -65,7 +65,7 @@ class MeshPlanner {
   ScenePlan& plan_;
 };
 
-// Whether it is skipped, which is counted.
+// Whether it is skipped; if so, counts it.
 bool MeshPlanner::skip(const SceneMeshInstance& instance, const SceneMeshPart& part) {
   const SceneMaterial& material = scene_.materials[part.material];
   const SceneRequest::Skip& skip = request_.skip;

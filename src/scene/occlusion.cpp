@@ -9,11 +9,11 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int view_columns = 128;
-// Of the grid over a chart.
+// Levels of the grid over a chart.
 constexpr TileLevels fewest{3, 3}, most{5, 4};
-// More than all roundings, of lengths and of places in cells.
+// Larger than all rounding errors, of lengths and of positions in cells.
 constexpr double rounding = 0x1p-40, cell_rounding = 0x1p-20;
-// Beyond, places are not exact enough.
+// Beyond, positions are not exact enough.
 constexpr double farthest_cell = 1e6;
 
 double share_of(int level) {
@@ -77,7 +77,7 @@ void Occlusion::finish() {
   levels_ = most_levels;
 }
 
-// Of cells of a level those within a range of the finest.
+// Whether cell (x, y) of a level hides everything beyond `nearest`, within a range of finest cells.
 bool Occlusion::hides(int level, int x, int y, const Range& r, double nearest) const {
   const auto columns = static_cast<std::size_t>(((columns_ - 1) >> level) + 1);
   if (depths_[static_cast<std::size_t>(level)]
@@ -187,8 +187,8 @@ void Occlusion::find_drawn(std::span<const Drawn> drawn, const TileLevels& level
   }
 }
 
-// Whether a cell faces us, and what the view has of it. Facing, n · (eye - P), changes by at most |dn| times
-// the distance.
+// Determines whether a cell faces the camera, and its range in the view. n · (eye - P) changes by at most
+// |dn| times the distance.
 void Occlusion::find_sides(const Occluder& o, const TileLevels& levels) {
   const Eigen::Matrix3d& m = o.instance.placement.linear();
   const Eigen::Vector3d& t = o.instance.placement.translation();
@@ -221,7 +221,7 @@ void Occlusion::find_sides(const Occluder& o, const TileLevels& levels) {
         known = cell.finest;
         const double drawn_u = share_of(known.u), drawn_v = share_of(known.v);
         error = o.largest * (here + rates.chord(drawn_u, drawn_v)) + rounded;
-        // Of what is drawn, all corners of a cell that reaches into this one.
+        // Over all corners of a drawn cell that reaches into this one.
         turning = rates.normal_u * (std::max(du, drawn_u) - du / 2) +
                   rates.normal_v * (std::max(dv, drawn_v) - dv / 2);
         within = drawn_u <= du && drawn_v <= dv;
@@ -253,7 +253,7 @@ void Occlusion::find_sides(const Occluder& o, const TileLevels& levels) {
         cell.side = Cell::back;
       else
         continue;
-      // What is seen in the view, at a depth z, and moves by e, does so by at most e s / (z - e).
+      // A point seen at a depth z that moves by e appears to move by at most e s / (z - e).
       const double moved = error * stretch_ / (perspective_ ? least_depth - 2 * error : 1);
       cell.error_x = moved * scale_x_ + cell_rounding;
       cell.error_y = moved * scale_y_ + cell_rounding;
@@ -301,7 +301,7 @@ void Occlusion::add(const Occluder& o) {
   if (o.double_sided) cover(Cell::back);
 }
 
-// The border of the cells on one side, and what is within.
+// Covers the border of the cells on one side, and its interior.
 void Occlusion::cover(std::uint8_t side) {
   Range all{columns_, 0, rows_, 0};
   for (const Cell& cell : cells_)
@@ -316,7 +316,7 @@ void Occlusion::cover(std::uint8_t side) {
   if (depths.empty()) depths.assign(index(0, rows_), infinity);
   const std::size_t first = index(0, all.y0), count = index(0, all.y1) - first;
   const auto clear = [&](auto& values, auto value) {
-    values.resize(depths.size() + 1);  // the end of the last row is none of a column
+    values.resize(depths.size() + 1);  // the end of the last row belongs to no column
     std::fill_n(&values[first], count, value);
   };
   clear(farthest_, -infinity);
@@ -356,7 +356,7 @@ void Occlusion::cover(std::uint8_t side) {
   }
 }
 
-// A part of a border: the cells that it may touch, and where it crosses the middles of rows.
+// Marks a segment of a border: the cells that it may touch, and where it crosses the middles of rows.
 void Occlusion::mark(const Seen& from, const Seen& to, const Cell& cell, const Range& within) {
   const double low = std::min(from.y, to.y), high = std::max(from.y, to.y);
   const auto at = [&](double y) {

@@ -20,12 +20,12 @@ struct Inverse {
   double rounding;  // of its products, times the condition
 };
 
-// The inverse of M, and by what M scales lengths.
+// The inverse of M, and the factors by which M scales lengths.
 Inverse inverse_of(const Eigen::Matrix3d& m, std::uint32_t instance, Placed& placed) {
   const Eigen::Vector3d squares(m.col(0).dot(m.col(0)), m.col(1).dot(m.col(1)), m.col(2).dot(m.col(2))),
       products(m.col(0).dot(m.col(1)), m.col(1).dot(m.col(2)), m.col(2).dot(m.col(0)));
   const double scale = squares.sum() / 3;
-  // Mᵀ M / scale is 1 but for 3e-14 < 2^-44, and so are products. Squares neither underflow nor overflow.
+  // Mᵀ M / scale is 1 up to 3e-14 < 2^-44, and so are products. Squares neither underflow nor overflow.
   if (scale > 1e-280 && scale < 1e280 && (squares.array() - scale).abs().maxCoeff() <= 1e-14 * scale &&
       products.cwiseAbs().maxCoeff() <= 1e-14 * scale) {
     const double length = std::sqrt(scale);
@@ -40,7 +40,7 @@ Inverse inverse_of(const Eigen::Matrix3d& m, std::uint32_t instance, Placed& pla
   placed.smallest = s[2] * (1 - 1e-13);
   placed.largest = s[0] * (1 + 1e-13);
   placed.condition = placed.largest / placed.smallest;
-  // Cofactors lose the square of the condition.
+  // Cofactors would lose the square of the condition.
   return {svd.v * s.cwiseInverse().asDiagonal() * svd.u.transpose(), 0x1p-48};
 }
 
@@ -57,7 +57,7 @@ void place(const Scene& scene, std::uint32_t index, const SurfaceTiles& tiles, c
   const double lengths = view.distance_of_eye() + t.norm();
   result.eye =
       from_eigen(inverse.matrix * (view.perspective() ? Eigen::Vector3d(view.eye() - t) : view.backward()));
-  // With what inverting an ill-conditioned placement loses.
+  // Includes the loss by inverting an ill-conditioned placement.
   result.eye_rounding =
       inverse.rounding * result.condition * (view.perspective() ? lengths : 1) / result.smallest;
   result.plane_rounding = rounding * (lengths + result.largest * tiles.reach());

@@ -27,7 +27,7 @@ struct Placed {
   // The depth of P, along the view, is depth_normal · P - depth_offset.
   Vec3<double> depth_normal;
   double depth_offset;
-  double least_depth;  // of all of it, with what surrounds it
+  double least_depth;  // minimum over the instance, with margin
   // The inside is normal · P >= offset, P in the surface's own space. Only if the instance is not outside.
   std::array<Vec3<double>, 6> normals;
   std::array<double, 6> offsets;

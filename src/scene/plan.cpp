@@ -39,7 +39,7 @@ void check(const Scene& scene, const SceneRequest& request) {
                          "expected fewer than 2^31 instances, got " + std::to_string(scene.instances.size()));
 }
 
-// What was decided for an instance: its tiles.
+// The decision for an instance: its tiles.
 struct Decision {
   InstanceView whole;
   TileCounts counts;
@@ -48,7 +48,8 @@ struct Decision {
   std::uint32_t patch_count = 0;
 };
 
-// The most tiles of a plan, hidden ones included, so that a scene is refused before the work is done.
+// The maximum number of tiles of a plan, including hidden ones, so that a scene is refused before the work is
+// done.
 constexpr std::size_t most_tiles = std::size_t{1} << 24;
 
 void refuse_small_bounds() {
@@ -89,12 +90,12 @@ class ScenePlanner::Planner {
   KnownPatches patches_{request_.skip.duplicates, request_.attributes};
   std::vector<std::uint32_t> used_, last_used_;  // known patches by instance, of this plan and the last
   std::vector<Shown> shown_;
-  std::vector<Around> around_;  // of all instances in view, where what is hidden is asked for
+  std::vector<Around> around_;  // of all instances in view, if occlusion is requested
   Occlusion occlusion_{Camera()};
   std::vector<bool> hidden_;        // of used_
   std::vector<PlannedTile> drawn_;  // by instances
   std::uint32_t plans_ = 0;
-  std::array<std::uint64_t, 2> samples_by_attributes_{};  // without tangents, and all that was asked for
+  std::array<std::uint64_t, 2> samples_by_attributes_{};  // without tangents, and with all requested
   bool unfinished_ = false;                               // the last plan, that an error ended
   ScenePlan plan_;
 };
@@ -123,7 +124,7 @@ void ScenePlanner::Planner::begin(const Camera& camera) {
   camera.check();
   const bool goes_on = answers_.go_to(camera, scene_.instances.size()),
              failed = std::exchange(unfinished_, true);
-  // Patches that no plan needs any more are forgotten, all at once.
+  // Patches that no plan needs any more are removed, all at once.
   const bool many = patches_.size() > (std::size_t{1} << 16) + 4 * used_.size();
   if (many) patches_.forget();
   if (goes_on && (failed || many)) answers_.forget();
@@ -141,7 +142,7 @@ void ScenePlanner::Planner::begin(const Camera& camera) {
 void ScenePlanner::Planner::plan_instances() {
   const auto count = static_cast<std::uint32_t>(scene_.instances.size());
   for (std::uint32_t i = 0; i < count; ++i) {
-    // Instances that are asked about anew lie anywhere: they are fetched before.
+    // Instances whose answers are recomputed are scattered in memory, so they are prefetched.
     constexpr std::uint32_t soon = 8;
     if (keeps_ && i + soon < count && !answers_.hold(i + soon)) {
       prefetch(&scene_.instances[i + soon], sizeof(SceneInstance));
@@ -151,7 +152,7 @@ void ScenePlanner::Planner::plan_instances() {
   }
 }
 
-// What was decided for an earlier camera, as long as that holds; else anew.
+// The decision for an earlier camera as long as it is valid; else a new one.
 void ScenePlanner::Planner::plan_instance(std::uint32_t index) {
   Decision once;
   Decision& decision = keeps_ ? decisions_[index] : once;
@@ -195,7 +196,7 @@ void ScenePlanner::Planner::decide(std::uint32_t index, Decision& d) {
   answers_.finish();
 }
 
-// A patch for each tile that is needed.
+// Adds a patch for each needed tile.
 void ScenePlanner::Planner::add_patches(std::uint32_t index) {
   const std::uint32_t surface = scene_.instances[index].surface;
   for (const VisitedTiles::Visited& tile : visited_.visited()) {
@@ -240,7 +241,7 @@ void ScenePlanner::Planner::count(const Decision& d) {
   plan_.tiles_unbounded += d.counts.unbounded;
 }
 
-// All tiles that are needed and not hidden.
+// Adds all needed tiles that are not hidden.
 void ScenePlanner::Planner::add_tiles() {
   drawn_.reserve(used_.size());
   plan_.patches.reserve(std::min(used_.size(), patches_.size()));
@@ -255,7 +256,7 @@ void ScenePlanner::Planner::add_tiles() {
   }
 }
 
-// A tile of an instance, by its patch.
+// Adds a tile of an instance, with its patch.
 void ScenePlanner::Planner::add(std::uint32_t instance, std::uint32_t id) {
   KnownPatch& known = patches_[id];
   if (known.plan != plans_) {
@@ -275,7 +276,7 @@ void ScenePlanner::Planner::add(std::uint32_t instance, std::uint32_t id) {
   drawn_.push_back({instance, known.index});
 }
 
-// Sums, and tiles by patch.
+// Computes the sums, and sorts tiles by patch.
 void ScenePlanner::Planner::finish() {
   unfinished_ = false;
   plan_.tiles_needed = plan_.patches.size();

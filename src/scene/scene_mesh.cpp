@@ -7,7 +7,7 @@
 namespace darboux {
 namespace {
 
-// The axis that the normals of the triangles lie around, and how far.
+// The cone of the triangles' normals: its axis and half-angle.
 void bound_normals(const Mesh& mesh, SceneMeshPart& part) {
   std::vector<Eigen::Vector3d> normals;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();

@@ -26,7 +26,7 @@ constexpr double TileRates::*frame_rates[] = {
     &TileRates::normal_uu, &TileRates::normal_uv, &TileRates::normal_vv, &TileRates::frame_uu,
     &TileRates::frame_uv,  &TileRates::frame_vv};
 
-// The larger of the finite ones, each by itself.
+// The component-wise maximum of the finite rates.
 void take_larger(TileRates& a, const TileRates& b) {
   const auto take = [&](double TileRates::*rate) {
     if (std::isfinite(b.*rate) && !(a.*rate >= b.*rate && std::isfinite(a.*rate))) a.*rate = b.*rate;
@@ -35,7 +35,7 @@ void take_larger(TileRates& a, const TileRates& b) {
   for (auto rate : frame_rates) take(rate);
 }
 
-// Estimates where there are no bounds, as next to poles. Which are proven.
+// Uses estimates where there are no bounds, as next to poles. Returns which rates are proven.
 Proven take_estimates(TileRates& bounds, const TileRates& estimates) {
   const auto take = [&](double TileRates::*rate) {
     if (std::isfinite(bounds.*rate)) return true;
@@ -58,11 +58,11 @@ bool has_box(const TileNode& node) {
   return finite(node.lo) && finite(node.hi);
 }
 
-// A lower bound of the distance of a point to an ellipsoid, exact from outside but for what is rounded. There
-// it is the largest d·P - h(d) over unit vectors d, with h the ellipsoid's support: whatever d is, that is
-// none too large. The best is along (x/(a² + t), ...), at that t >= 0 for which the nearest point
-// (a² x/(a² + t), ...) lies on the ellipsoid. From inside, what is left of the sphere to which the axes
-// scale it, times the shortest.
+// A lower bound of the distance from a point to an ellipsoid, exact from outside up to rounding. There it is
+// the largest d·P - h(d) over unit vectors d, with h the ellipsoid's support function: any d gives a lower
+// bound. The best is along (x/(a² + t), ...), at that t >= 0 for which the nearest point (a² x/(a² + t),
+// ...) lies on the ellipsoid. From inside: the distance to the unit sphere to which the axes scale it, times
+// the shortest axis.
 double distance_to_ellipsoid(const Vec3<double>& axes, const Vec3<double>& p) {
   const Vec3<double> q{p.x / axes.x, p.y / axes.y, p.z / axes.z};
   const double square = dot(q, q);
@@ -114,7 +114,7 @@ TilePlace TilePlace::half(bool along_u, bool along_v, std::uint32_t i, std::uint
 SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface_(surface), order_(order) {
   const TileBounds whole(surface, Tile{}, order == TileOrder::position ? order : TileOrder::first);
   known_ = whole.known();
-  // Closed forms have all rates that count at once, and tight ones.
+  // Closed forms have all necessary rates at once, and tight ones.
   const TileRates rates = whole.rates();
   const bool has_frame = std::isfinite(rates.frame_uu);
   if (has_frame || (whole.attained() && order == TileOrder::position)) {
@@ -134,7 +134,7 @@ SurfaceTiles::SurfaceTiles(const AnySurface& surface, TileOrder order) : surface
   if (known_) find_closed_form();
   nodes_.push_back(make({}));
   TileNode& all = *nodes_.front();
-  // Bounds on intervals may know no box of the whole, though boxes of its parts.
+  // Interval bounds may give boxes of the parts but none of the whole.
   for (std::uint8_t level = 1; level <= 3 && !has_box(all); ++level)
     for (std::uint32_t i = 0; i < 1u << level; ++i)
       for (std::uint32_t k = 0; k < 1u << level; ++k) {
@@ -169,8 +169,8 @@ void SurfaceTiles::find_closed_form() {
     ellipsoid_ = {ellipsoid->semi_axis_x, ellipsoid->semi_axis_y, ellipsoid->semi_axis_z};
 }
 
-// Of a point to what turns about the axis: that to the meridian in the point's own half-plane. Less what is
-// rounded.
+// The distance of a point to a surface of revolution is that to the meridian in the point's own half-plane.
+// Rounding is subtracted.
 double SurfaceTiles::Meridian::distance(const Vec3<double>& p) const {
   const double rho = std::sqrt(p.x * p.x + p.y * p.y);
   double distance, size;
@@ -188,8 +188,8 @@ double SurfaceTiles::Meridian::distance(const Vec3<double>& p) const {
   return std::max(0.0, distance - 0x1p-48 * (rho + std::fabs(p.z) + size));
 }
 
-// The largest rates over the chart. Bounds on intervals are loose over large tiles: those that bend most are
-// cut, as long as that tells more.
+// The largest rates over the chart. Interval bounds are loose over large tiles: those with the largest rates
+// are subdivided as long as that improves the bound.
 void SurfaceTiles::find_finest() {
   struct Part {
     TileRates rates;
@@ -236,8 +236,8 @@ void SurfaceTiles::find_finest() {
   proven_.frame = proven_.frame && everywhere && order_ == TileOrder::second;
 }
 
-// From samples, half as much again: no bound, but as good a guess as any. By differences over stencils that
-// meet.
+// From samples, increased by half: not a bound, but a good estimate. Uses differences over adjoining
+// stencils.
 void SurfaceTiles::sample() {
   constexpr std::size_t cells = 64, width = cells + 1;
   constexpr double h = 1.0 / cells, more = 1.5;
@@ -289,7 +289,7 @@ void SurfaceTiles::sample() {
       here.frame_u = here.frame_v = here.frame_uu = here.frame_uv = here.frame_vv = 0;
       for (const auto* x : {&t, &b, &n}) {
         const Differences d = differences(*x);
-        // Angular velocities add those of two vectors.
+        // Angular velocities of two vectors add.
         here.frame_u = std::fmax(here.frame_u, 2 * more * norm(d.u));
         here.frame_v = std::fmax(here.frame_v, 2 * more * norm(d.v));
         here.frame_uu = std::fmax(here.frame_uu, across(d.uu, d.centre));
@@ -380,7 +380,7 @@ void SurfaceTiles::make_middle(TileNode& node) const {
   node.middle = facing_point_at(0.5 * (t.u0 + t.u1), 0.5 * (t.v0 + t.v1));
 }
 
-// Of 4 x 4 points that whose normal is nearest to the octant's.
+// Of 4 x 4 points, chooses the one whose normal is nearest to the octant's.
 void SurfaceTiles::make_octants() {
   of_octants_.fill({{}, 0, true});
   std::array<double, 8> best{};

@@ -36,7 +36,7 @@ Arc latitudes(double from, double to) {
   return {pi * (from - 0.5), pi * (to - 0.5), -a.cos, a.sin, -b.cos, b.sin};
 }
 
-// As std::fmax, which takes a call; NaN where the first is.
+// Like std::fmax, which would be a function call; NaN if the first is.
 double larger(double a, double b) {
   return a < b ? b : a;
 }
@@ -53,12 +53,12 @@ double most_cosine(const Arc& arc) {
   return std::fmin(std::fmax(arc.most(1, 0), arc.most(-1, 0)), 1);
 }
 
-// No less than its length, and no more than 1.74 times that.
+// An upper bound of its length, at most 1.74 times that.
 double sum_of(const Vec3<double>& d) {
   return std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z);
 }
 
-// The length of (a, b). hypot is slow, and only needed where squares leave the range of doubles.
+// The length of (a, b). hypot is slow, and only needed where squares leave the range of double.
 double length_of(double a, double b) {
   const double square = a * a + b * b;
   return square > 1e-280 && square < 1e280 ? std::sqrt(square) : std::hypot(a, b);
@@ -103,14 +103,14 @@ double most_along(const EnclosedTile& s, const Vec3<double>& d) {
 
 // ---- facing -----------------------------------------------------------------------------------------------
 
-// Over the part of an arc where cos x >= 0 (outer), or where cos x <= 0, of a cos x + b sin x.
+// The maximum of a cos x + b sin x over the part of an arc where cos x >= 0 (outer), or where cos x <= 0.
 double most_of_side(const Arc& arc, bool outer, double a, double b) {
   double most = -infinity;
   const double first = outer ? -0.25 : 0.25;  // a half turn from there, and those a turn further
   for (double k = std::floor(arc.from / tau - 1); tau * (k + first) <= arc.to; ++k) {
     const double from = larger(arc.from, tau * (k + first)), to = std::fmin(arc.to, tau * (k + first + 0.5));
     if (from > to) continue;
-    // The ends are the arc's own, or where cos x is 0.
+    // The ends are those of the arc, or the points where cos x is 0.
     const double sign = outer ? -1 : 1;
     const bool own_from = from == arc.from, own_to = to == arc.to;
     const Arc piece{from,
@@ -124,7 +124,7 @@ double most_of_side(const Arc& arc, bool outer, double a, double b) {
   return most;
 }
 
-// Of n·E - offset·(n·P), offset 1 for an eye, 0 for a direction.
+// The maximum of n·E - offset·(n·P), offset 1 for an eye, 0 for a direction.
 double most_facing(const RoundProfile& s, const Vec3<double>& e, double offset) {
   const double R = offset * s.major_radius;
   if (s.major_radius == 0)  // a sphere, on which cos x >= 0
@@ -133,7 +133,7 @@ double most_facing(const RoundProfile& s, const Vec3<double>& e, double offset) 
                inner = most_of_side(s.profile, false, -s.round.most(-e.x, -e.y) - R, e.z);
   return larger(outer, inner) - offset * s.radius;
 }
-// A point S of the unit sphere has N = (x/a, y/b, z/c) for normal, and N·P = 1. |N| lies between 1 over the
+// A point S of the unit sphere has the normal N = (x/a, y/b, z/c), and N·P = 1. |N| lies between 1 over the
 // longest axis and 1 over the shortest.
 double most_facing(const ScaledSphere& s, const Vec3<double>& e, double offset) {
   const Vec3<double> scaled{e.x / s.axes.x, e.y / s.axes.y, e.z / s.axes.z};
@@ -180,7 +180,7 @@ TileRates rates_of(const ScaledSphere& s) {
   const double sine_u = square(most_sine(s.round)), cosine_u = square(most_cosine(s.round)),
                sine_v = square(most_sine(s.profile)), cosine_v = square(most_cosine(s.profile)),
                x = square(s.axes.x), y = square(s.axes.y), z = square(s.axes.z);
-  // Of x cos² + y sin² over an arc, linear in either of the squares.
+  // The maximum of x cos² + y sin² over an arc, linear in either square.
   const auto most = [](double x, double y, double cosine, double sine) {
     return x > y ? y + (x - y) * cosine : x + (y - x) * sine;
   };
@@ -222,9 +222,9 @@ TileRates rates_of(std::monostate) {
   return {};
 }
 
-constexpr double upward = 1 + 0x1p-48;  // what the products below may have lost
+constexpr double upward = 1 + 0x1p-48;  // for the rounding of the products below
 
-// The error of linear interpolation by second derivatives.
+// The error of linear interpolation, from second derivatives.
 double interpolation_error(double uu, double uv, double vv, double du, double dv) {
   const double error = upward * (uu * du * du + 2 * uv * std::fabs(du * dv) + vv * dv * dv) / 8;
   return std::isnan(error) ? infinity : error;
@@ -233,9 +233,9 @@ double half_turning(double u, double v, double du, double dv) {
   const double turning = upward * (u * std::fabs(du) + v * std::fabs(dv)) / 2;
   return std::isnan(turning) ? infinity : turning;
 }
-// Of the interpolated unit vector, by the error across it and half the turning within the cell.
+// The angle of the interpolated unit vector, from the error across it and half its turning within the cell.
 double interpolation_angle(double across, double half) {
-  // (asin x - x)/x³ rises with x
+  // (asin x - x)/x³ increases with x
   const double first = half < 1 ? half + (pi / 2 - 1) * half * half * half : infinity,
                length = 1 - half * half / 2;
   return upward * (length > 0 ? std::fmin(first, (across + half * half * half / 6) / length) : first);
@@ -280,9 +280,9 @@ double tiles::Arc::most(double a, double b) const {
   const double first = a * cos_from + b * sin_from, last = a * cos_to + b * sin_to,
                ends = first < last ? last : first;
   if (to - from >= tau) return length_of(a, b);
-  // On which side of the two ends (a, b) lies, by the cross products, and widened by what angles and sines
-  // may be rounded. An arc of no more than half a turn has the top between its ends; of a longer one it is
-  // missing only if it lies between them on the other side.
+  // The cross products tell on which side of the two ends (a, b) lies, up to the rounding of angles and
+  // sines. An arc of at most half a turn contains the maximum between its ends; a longer one contains it
+  // unless it lies between the ends on the other side.
   const double slack = rounding * (1 + std::fabs(from) + std::fabs(to)) * (std::fabs(a) + std::fabs(b));
   const bool after = b * cos_from - a * sin_from >= -slack, before = a * sin_to - b * cos_to >= -slack;
   const bool within = to - from <= tau / 2 ? after && before && ends >= -slack : after || before;

@@ -75,7 +75,7 @@ class ChordLevels {
   }
 
  private:
-  // A float is at most x exactly when it is at most rounded_down(x).
+  // A float is at most x if and only if it is at most rounded_down(x).
   static float rounded_down(double x) {
     const auto nearest = static_cast<float>(x);
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(nearest) - (nearest > x ? 1u : 0u));
@@ -87,7 +87,7 @@ class ChordLevels {
 
   static constexpr std::size_t size = 32;
   static_assert(2 * finest_level + 1 < size);
-  std::array<float, size> errors_{};  // after so many cuts, or a little more; -1 where there are no more
+  std::array<float, size> errors_{};  // after this many cuts, rounded up; -1 where there are no more
   std::array<std::uint8_t, size> levels_u_{};
 };
 

@@ -36,8 +36,8 @@ std::vector<SplitCell> split_cells(const ScenePatch& patch, std::span<const doub
   return result;
 }
 
-// How many cells split_cells() finds: along each edge their numbers rise, and of those in the corners each is
-// on two edges.
+// The number of cells that split_cells() finds: cell numbers ascend along each edge, and corner cells are on
+// two edges.
 static std::size_t count_split_cells(const ScenePatch& patch, std::span<const double> coordinates) {
   if (patch.cells_u == 1 || patch.cells_v == 1) return split_cells(patch, coordinates).size();
   const Tile t = patch.tile();
@@ -68,7 +68,7 @@ std::uint64_t sample_count(const ScenePatch& patch, std::span<const double> coor
 
 namespace {
 
-// The first n of a buffer that is kept from tile to tile: nothing that it holds is set anew.
+// The first n elements of a buffer reused from tile to tile, without initialisation.
 template <class T>
 std::span<T> room(std::vector<T>& buffer, std::size_t n) {
   if (buffer.size() < n) buffer.resize(n);
@@ -80,7 +80,7 @@ std::uint32_t* add_triangle(std::uint32_t* next, std::size_t a, std::size_t b, s
   return next;
 }
 
-// Two for each cell that is not split.
+// Two triangles for each cell that is not split.
 std::uint32_t* add_triangles(std::uint32_t columns, std::uint32_t rows, const std::vector<bool>& is_split,
                              std::uint32_t* next) {
   const std::uint32_t width = columns + 1;
@@ -120,7 +120,7 @@ std::span<const std::uint32_t> add_split_cells(const ScenePatch& patch, std::spa
     is_split[std::size_t{cell.row} * columns + cell.column] = true;
     const std::size_t centre = corners + uv.size() / 2;
     add_uv(t.u0 + (cell.column + 0.5) * du, t.v0 + (cell.row + 0.5) * dv);
-    // Round the border: along v0 and u1 rising, along v1 and u0 falling.
+    // Around the border: ascending along v0 and u1, descending along v1 and u0.
     const std::size_t first = cell.row * width + cell.column;
     std::size_t last = first;
     const auto to = [&](std::size_t i) {

@@ -15,8 +15,8 @@ double share_of(int level) {
   return 1.0 / static_cast<double>(1u << level);
 }
 
-// The fewest cells on a rectangle of the chart for which error(du, dv) <= 1, which falls with both, or
-// 2^most. Halves that side of the cells that is worth more.
+// The fewest cells over a rectangle of the chart for which error(du, dv), which decreases with both, is at
+// most 1; at most 2^most. Each step halves the side that reduces the error more.
 template <class F>
 TileLevels fewest_cells(double width_u, double width_v, const TileLevels& most, F error) {
   TileLevels result;
@@ -52,8 +52,8 @@ TileRates stretched(const TileRates& r, double condition) {
   return result;
 }
 
-// The angle of interpolated frames. Where there is no bound yet, beyond all bounds and falling with the
-// cells.
+// The angle of interpolated frames. Where there is no bound yet, a value beyond all limits that decreases
+// with the cells.
 double interpolation_angle(const TileRates& r, bool of_tangents, double du, double dv) {
   const double angle =
       of_tangents ? r.frame_interpolation_angle(du, dv) : r.normal_interpolation_angle(du, dv);
@@ -116,7 +116,7 @@ void TileTests::find_resolutions() {
   local_chord_per_distance_ = chord_per_distance_ / placed_.largest;
   if (wants_slack_) distance_per_local_chord_ = placed_.largest / chord_per_distance_;
   SurfaceTiles& tiles = *tiles_;
-  // Whatever the material reads: the count of tiles does not depend on it.
+  // Independent of what the material reads, so that the number of tiles does not depend on it.
   const Attributes asked = std::exchange(asked_, request_.attributes);
   const bool bounds_frame = std::exchange(bounds_frame_, bounds_frames(asked_));
   whole_.uniform =
@@ -129,7 +129,7 @@ void TileTests::find_resolutions() {
   bounds_frame_ = bounds_frame;
 }
 
-// From the eye to the surface, in the scene; what is nearer than the near plane is not seen.
+// From the eye to the surface, in the scene; anything nearer than the near plane is invisible.
 double TileTests::nearest_distance() {
   whole_.by_tiles = false;
   if (!view_.perspective()) return infinity;
@@ -141,8 +141,7 @@ double TileTests::nearest_distance() {
   return tiles_->known() ? std::max(distance, view_.stretch() * placed_.least_depth) : distance;
 }
 
-// How many cells a tile needs at a distance from the eye: what its chords ask for and what its frames ask
-// for.
+// The number of cells that a tile needs at a distance from the eye, for its chords and for its frames.
 TileLevels TileTests::cells_needed(double distance, const TileRates& rates, const ChordLevels& chords,
                                    const TilePlace& place, FrameLevels& kept) {
   const double condition = placed_.condition;
@@ -153,8 +152,8 @@ TileLevels TileTests::cells_needed(double distance, const TileRates& rates, cons
                                               : std::min(local_chord_, local_chord_per_distance_ * distance));
     result = answer.levels;
     if (wants_slack_ && local_chord_per_distance_ != 0) {
-      // The distances between which it is the same.
-      const double share = 1 / view_.stretch();  // depths count so many times
+      // The range of distances with the same answer.
+      const double share = 1 / view_.stretch();  // depths count this many times
       Slack::lower(slack.turning, (distance - answer.least * distance_per_local_chord_) * share);
       if (!(answer.most > local_chord_))
         Slack::lower(slack.turning, (answer.most * distance_per_local_chord_ - distance) * share);
@@ -167,7 +166,8 @@ TileLevels TileTests::cells_needed(double distance, const TileRates& rates, cons
   const bool of_tangents = asked_.has_any(tangent_attributes);
   if (kept.condition != condition || kept.of_tangents != of_tangents ||
       kept.angle != request_.frame_angle_rad) {
-    // What scales all alike but for rounding, as matrices in single precision do, turns vectors by that much.
+    // A placement that scales uniformly up to rounding, as single-precision matrices do, turns vectors by at
+    // most this.
     const double turned = 4 * (condition - 1), asked_for = request_.frame_angle_rad;
     const bool alike = turned <= 0.01 * asked_for;
     const TileRates of_frames = alike ? rates : stretched(rates, condition);
@@ -180,7 +180,7 @@ TileLevels TileTests::cells_needed(double distance, const TileRates& rates, cons
   return {std::max(result.u, kept.levels.u), std::max(result.v, kept.levels.v)};
 }
 
-// Whether a tile lies wholly beyond a plane of the frustum. By its box, then by itself.
+// Whether a tile lies entirely outside a plane of the frustum. Tests its box first, then the tile itself.
 bool TileTests::outside(std::uint32_t index, std::uint8_t& planes) {
   const Placed& placed = placed_;
   const TileNode& node = (*tiles_)[index];
@@ -200,7 +200,7 @@ bool TileTests::outside(std::uint32_t index, std::uint8_t& planes) {
     }
     const bool by_box = at + reach < -margin;
     const double most = by_box ? at + reach : node.bounds.support(n) - placed.offsets[k];
-    // How bounds on intervals change with the plane is not known.
+    // How interval bounds change with the plane is unknown.
     const double certain = by_box || node.bounds.attained() ? std::fabs(most + margin) : 0;
     if (most < -margin) {
       Slack::lower(slack.turning, certain);
@@ -214,12 +214,13 @@ bool TileTests::outside(std::uint32_t index, std::uint8_t& planes) {
 
 bool TileTests::faces_away(std::uint32_t index) {
   const bool perspective = view_.perspective();
-  // Most tiles have a point that shows that they do not. Bounds would add only how far that is from changing.
+  // Most tiles have a point that proves the contrary. Bounds would only add the slack.
   if (!wants_slack_ && tiles_->facing_point(index, placed_.eye).faces(placed_.eye, perspective)) return false;
   const TileBounds& bounds = (*tiles_)[index].bounds;
   const double facing =
       (perspective ? bounds.facing(placed_.eye) : bounds.facing_along(placed_.eye)) + placed_.eye_rounding;
-  // Changes by no more than the eye moves, in the surface's own space, times facing_rate(); or turns.
+  // It changes by at most the motion of the eye, in the surface's own space, times facing_rate(); or the
+  // camera's turn.
   const double way = std::fabs(facing) * placed_.smallest / bounds.facing_rate();
   if (perspective)
     Slack::lower(slack.moving, way);
@@ -232,14 +233,14 @@ Resolution TileTests::resolution(std::uint32_t index) {
   const Placed& placed = placed_;
   SurfaceTiles& tiles = *tiles_;
   const TileNode& node = tiles[index];
-  // The finest is enough everywhere. The bounds of a large tile may ask for more.
+  // The finest resolution suffices everywhere. The bounds of a large tile may require more.
   const TileLevels most{whole_.finest.u - node.place.level_u, whole_.finest.v - node.place.level_v};
   // A chart is never cut finer than 2^finest_level.
   const bool limited_u = whole_.finest.u == finest_level, limited_v = whole_.finest.v == finest_level;
   const bool by_bounds = request_.skip.below_error || tiles.is_typical();
   const Resolution finest{most, limited_u || limited_v || !by_bounds ? Proven{} : tiles.proven()};
   if (!request_.skip.below_error) return finest;
-  // Smaller tiles have bounds where this one has none, but for those at a pole.
+  // Smaller tiles have bounds where this one has none, except those at a pole.
   constexpr int small = 5;
   if (!bounds(node.proven) && tiles.known() && (node.place.level_u < small || node.place.level_v < small) &&
       (most.u > tile_level_u || most.v > tile_level_v))

@@ -39,8 +39,8 @@ View::View(const Camera& camera)
   }
 }
 
-// At a depth z, on a ray at the angle θ to the axis, a move by e changes the place on the image plane at
-// unit depth by at most e / (cos θ (z - e)): of the moves perpendicular to the ray the radial one is seen
+// At a depth z, on a ray at the angle θ to the axis, a move by e changes the projection onto the image plane
+// at unit depth by at most e / (cos θ (z - e)): among moves perpendicular to the ray the radial one appears
 // longest, and the move may bring the point nearer. With cos θ >= 1/s and z >= D/s that is e s² / (D - e
 // s).
 double View::length_of(double pixels, double distance) const {

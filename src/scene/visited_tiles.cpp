@@ -58,7 +58,7 @@ void VisitedTiles::find_finest() {
   for (Visited& tile : visited_) {
     if (finest_ == most) break;
     if (tile.needed || tile.split != Split::none) continue;
-    // One that is not seen.
+    // A tile that is not visible.
     const Resolution r = answers_.resolution(tile.node);
     if (r.split() != Split::none) {
       finest_ = most;
@@ -106,7 +106,7 @@ void VisitedTiles::find_edges(const Visited& tile) {
   }
 }
 
-// By the tiles that were visited, and below those that are not seen by what their cells would be.
+// Uses the tiles that were visited and, below invisible ones, the cells that their parts would have.
 void VisitedTiles::search(const EdgeSearch& edge) {
   SurfaceTiles& tiles = tests_.tiles();
   const auto unseen = [&](const auto& self, std::uint32_t node) -> void {

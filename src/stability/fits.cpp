@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t parameters_quantity = 8, frames_quantity = 9;
 constexpr double most_standard_errors = 6;
 
-// Gives the same numbers with every standard library, which std's distributions do not promise.
+// Random numbers that are the same with every standard library, which std's distributions do not promise.
 class Numbers {
  public:
   explicit Numbers(std::uint64_t seed) : bits_(seed) {}
@@ -84,7 +84,7 @@ PointCloud points_on(const AnySurface& surface, const Cloud& cloud, Numbers& ran
     box.add(p);
     result.positions.push_back(p + noise * Vec3<double>{random.normal(), random.normal(), random.normal()});
   }
-  // As far beyond the surface in every direction: flat ones have outliers above and below.
+  // The same margin beyond the surface in every direction: flat ones have outliers above and below.
   const double margin = 0.125 * box.longest_side();
   while (static_cast<int>(result.positions.size()) < cloud.points)
     result.positions.push_back({random.uniform(box.low.x - margin, box.high.x + margin),
@@ -93,7 +93,7 @@ PointCloud points_on(const AnySurface& surface, const Cloud& cloud, Numbers& ran
   return result;
 }
 
-// Of closed surfaces: those of others bound the patch of points as well.
+// For closed surfaces only: parameters of others also bound the patch of points.
 void compare_parameters(const AnySurface& surface, const PointFit& fit, auto add) {
   if (!surface.info().euler_characteristic) return;
   std::vector<ParameterValue> truth = surface.parameters();
@@ -109,7 +109,7 @@ void compare_parameters(const AnySurface& surface, const PointFit& fit, auto add
             std::fabs(truth[k].value), Vec2<double>{});
 }
 
-// The fitted normal beside points of the patch against the true one.
+// The fitted normal near points of the patch against the true one.
 void compare_normals(const AnySurface& surface, const PointFit& fit, double half, auto add) {
   for (const double a : {-0.6, 0.1, 0.7})
     for (const double b : {-0.5, 0.2, 0.6}) {
@@ -117,7 +117,7 @@ void compare_normals(const AnySurface& surface, const PointFit& fit, double half
       const Sample<double> truth = surface.sample(uv.x, uv.y);
       const UncertainFrame found = frame_near(fit, truth.jet.position);
       const double angle = angle_between_units(truth.frame.n, found.n) * 180 / std::numbers::pi;
-      // The side of a fitted surface is its own affair.
+      // A fitted surface may have either side.
       add(frames_quantity, "normal", std::fmin(angle, 180 - angle), found.normal_deg, degrees_per_radian, uv);
     }
 }

@@ -21,7 +21,7 @@ struct Held {
                                     .own_orientation = true,
                                     .frame_error = 8};
 
-  // Over scalars that AnySurface does not take there is no number.
+  // Scalar types that AnySurface does not support give NaN.
   template <class S>
   Jet2<S> jet(const S& u, const S& v) const {
     if constexpr (std::same_as<S, float>) {
@@ -46,8 +46,8 @@ struct Held {
   Status singular(const S& u, const S& v) const {
     return surface.frame(u, v).status & (Status::dpdu_zero | Status::dpdv_zero | Status::parallel);
   }
-  // Present because surfaces with parameters get sums that cancel recomputed in 40 digits; this one should
-  // too.
+  // Defined because, for surfaces with parameters, cancelling sums are recomputed in 40 digits; this one
+  // needs that too.
   std::vector<ParameterValue> parameter_values() const { return surface.parameters(); }
 };
 

@@ -1,4 +1,4 @@
-// What is measured, one member of a quantity by one route at one x.
+// Measurements: one member of a quantity by one route at one x.
 #pragma once
 
 #include <string>
@@ -27,10 +27,10 @@ struct Measurement {
   std::string surface;  // as it was there
 };
 
-// The values of x: options.points of evaluation, a third of that of meshes and fits, which take longer.
+// The values of x: options.points for evaluation, a third of that for meshes and fits, which take longer.
 std::vector<double> values_of_x(const StabilityOptions& options, const StabilitySweep& sweep);
 
-// The sweeps of meshes and of fits, all x. Nothing where the surface cannot be meshed.
+// The sweeps of meshes and of fits, at all x. Empty if the surface cannot be meshed.
 std::vector<Measurement> measure_meshes(const StabilityOptions& options, const StabilitySweep& sweep,
                                         const AnySurface& surface);
 std::vector<Measurement> measure_fits(const StabilityOptions& options, const StabilitySweep& sweep,

@@ -17,11 +17,11 @@ namespace {
 constexpr double not_stated = std::numeric_limits<double>::quiet_NaN();
 constexpr int columns = 16, rows = 8;
 constexpr std::size_t tangents_quantity = 6, normals_quantity = 7;
-// A position errs by a unit in each coordinate, an edge by twice that, and a tangent is made of two edges. Of
-// polynomials through many vertices nothing is stated.
+// A position errs by a unit in each coordinate, an edge by twice that, and a tangent depends on two edges. No
+// bound is stated for polynomials through many vertices.
 constexpr double times_condition = 16;
 
-// Away from poles, where tangents turn within a cell.
+// Excludes poles, near which tangents turn within a cell.
 Mesh mesh_of(const AnySurface& surface, double jitter, double strip, std::uint64_t seed) {
   return sample_mesh(surface, {.columns = columns,
                                .rows = rows,
@@ -70,9 +70,9 @@ double altitude_in_space(const Mesh& mesh) {
   return lowest;
 }
 
-// How many times an error of the uvs turns T or B of a triangle, or a plane laid through positions over uvs:
-// one over the altitude in uv, times the ratio of the singular values of the map from uv to space. An error
-// adds a share of the longer direction to the shorter.
+// The factor by which an error of the uvs turns T or B of a triangle, or a plane fitted to positions over
+// uvs: one over the altitude in uv, times the ratio of the singular values of the map from uv to space. An
+// error adds a share of the longer direction to the shorter.
 double condition_of_uvs(const Mesh& mesh) {
   double largest = 0;
   for (const Triangle& t : mesh.triangles) {
@@ -103,8 +103,8 @@ double least_cosine(const Mesh& mesh) {
   return std::fmax(least, 0);
 }
 
-// The mesh as it is stored, half the step that was rounded to, and how many times an error of that size turns
-// a tangent at most.
+// The mesh as stored, half the rounding step, and the largest factor by which an error of that size turns a
+// tangent.
 struct Stored {
   Mesh mesh;
   double half_step, condition;
@@ -144,7 +144,7 @@ Stored stored(const Mesh& exact, std::string_view sweep, double x) {
 
 // ---- comparison -------------------------------------------------------------------------------------------
 
-// The largest angle between two frames of the same corner, and where it is.
+// The largest angle between two frames of the same corner, and its location.
 struct Largest {
   double angle = 0;
   std::size_t corner = 0;
@@ -196,7 +196,7 @@ class Measure {
                        const MeshFrames& of_exact, double x) {
     const Stored s = stored(exact, sweep_.name, x);
     if (s.needs_normals && !method.needs_normals) return;
-    // What the method itself rounds to float counts as a rounding of the data.
+    // The method's own rounding to float counts as rounding of the data.
     double unit = s.half_step;
     if (method.single_precision) unit = std::fmax(unit, 0x1p-24);
     double condition =

@@ -41,8 +41,7 @@ StabilityAnswer in_float(const StabilityPoint& p) {
 
 // ---- as textbooks write it --------------------------------------------------------------------------------
 
-// The coordinate whose angle is what double holds of 2πx: libm's sine of that angle, to within its own
-// rounding.
+// The coordinate whose angle is 2πx rounded to double: libm's sine of that angle, up to its own rounding.
 Multiprecision by_rounded_angle(double x, Coordinate kind) {
   if (kind == Coordinate::linear) return x;
   const double per_unit = kind == Coordinate::turn ? 2 * std::numbers::pi : std::numbers::pi;

@@ -30,7 +30,7 @@ constexpr std::array<std::size_t, 9> quantity_of_form{4, 4, 4, 4, 5, 5, 5, 5, 5}
 constexpr std::array<std::string_view, 3> frame_members{"tangent", "bitangent", "normal"};
 constexpr std::size_t frame_quantity = 3;
 
-// The surface as float holds it.
+// The surface rounded to float.
 std::optional<AnySurface> rounded_to_float(const AnySurface& surface) {
   std::vector<double> values;
   for (const ParameterValue& p : surface.parameters()) {
@@ -46,16 +46,15 @@ std::optional<AnySurface> rounded_to_float(const AnySurface& surface) {
   }
 }
 
-// The coordinate without whole periods, exactly: the surface there is the same, and so is what may be asked
-// of it.
+// The coordinate without whole periods, exactly: the surface is the same there, and so are its bounds.
 double within_a_period(double x, Coordinate kind) {
   if (kind == Coordinate::turn && std::fabs(x) > 1) return x - std::trunc(x);
   if (kind == Coordinate::twisted_turn && std::fabs(x) > 2) return x - 2 * std::trunc(x / 2);
   return x;
 }
 
-// The largest magnitude of each partial over the surface, of the position's where it vanishes, and of d3pdu3,
-// d3pdv3.
+// The largest magnitude of each partial over the surface, or of the position if the partial vanishes; and of
+// d3pdu3, d3pdv3.
 struct Scales {
   std::array<double, 6> of_partial{};
   std::array<double, 2> third{};
@@ -87,8 +86,8 @@ Scales scale_of(const Case& c) {
   return result;
 }
 
-// Lengths for steps: what a sine of these first, second and third derivatives has for a turn, short of the
-// nearest break, and no more than steps within the domain need.
+// Lengths for steps: the period of a sine with these first, second and third derivatives, limited by the
+// nearest break and by the size of the domain.
 std::array<double, 2> lengths(const Case& c, const std::array<double, 6>& scale,
                               const std::array<double, 2>& third) {
   std::array<double, 2> result{};
@@ -100,8 +99,8 @@ std::array<double, 2> lengths(const Case& c, const std::array<double, 6>& scale,
          {scale[first] / scale[second], scale[second] / third[static_cast<std::size_t>(along)]})
       if (quotient > 0) turn = std::fmin(turn, 2 * std::numbers::pi * quotient);
     length = std::isfinite(turn) && turn > 0 ? std::exp2(std::floor(std::log2(turn) + 0.5)) : 1;
-    // No route's step is longer than an eighth of it. The derivatives of a nearly straight line say nothing
-    // about the rest of the domain: steps stay within its size.
+    // No route's step is longer than an eighth of it. The derivatives of a nearly straight line would permit
+    // steps beyond the domain, so its size limits them.
     const Vec2<double> corner = c.coordinates({0, 0});
     const auto to = [&](const Vec2<double>& other) {
       const Vec2<double> at = c.coordinates(other);
@@ -113,7 +112,7 @@ std::array<double, 2> lengths(const Case& c, const std::array<double, 6>& scale,
   return result;
 }
 
-// Whether all parameters are of magnitudes for which bounds are stated.
+// Whether the magnitudes of all parameters are within the range for which bounds are stated.
 bool proven(const AnySurface& surface) {
   const auto parameters = surface.parameters();
   return std::all_of(parameters.begin(), parameters.end(), [](const ParameterValue& p) {
@@ -122,7 +121,7 @@ bool proven(const AnySurface& surface) {
   });
 }
 
-// Everything about a point but what a route says.
+// All data of a point that do not depend on the route.
 struct Question {
   Case c;
   Exact exact;
@@ -155,7 +154,7 @@ class Comparer {
   std::vector<Found> found;
 
  private:
-  // Derivatives of the position that are no numbers say so themselves.
+  // Derivatives of the position that are not finite report their own failure.
   bool silent(const Vec3<double>& a) const {
     return (route_.bound == StabilityBound::dual || route_.bound == StabilityBound::estimate) &&
            !(std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z));
@@ -166,7 +165,7 @@ class Comparer {
     found.push_back({quantity, member, c});
   }
 
-  // Of a partial whose error is at most `bound` of its scale, whatever the stated one is.
+  // The bound of a partial by this route; `stated` if the route has the stated bound.
   double partial_bound(std::size_t k, double stated) const {
     const double rounding = 1 + q_.scales.condition[k];
     switch (route_.bound) {
@@ -180,7 +179,7 @@ class Comparer {
     }
     return stated;
   }
-  // Of a frame made of dpdu and dpdv.
+  // The bound of a frame computed from dpdu and dpdv.
   double frame_bound(double stated) const {
     if (route_.bound != StabilityBound::dual && route_.bound != StabilityBound::estimate) return stated;
     const Jet2<Multiprecision>& j = q_.exact.jet;
@@ -210,14 +209,14 @@ class Comparer {
           add(quantity_of_partial[k], laws::names[k], *c);
         }
       }
-    // Where Darboux has no frame none is asked for.
+    // Where Darboux has no frame, none is compared.
     if (answer_.frame && !has(q_.own.status, Status::no_frame)) {
       if (route_.bound != StabilityBound::stated) sample.frame.status = Status::regular;
       if (const auto of_frame =
               laws::compare_frame(q_.c.surface, q_.exact, q_.scales, sample, q_.c.closed_frame))
         for (std::size_t k = 0; k < 3; ++k) {
           Comparison c = (*of_frame)[k];
-          // A limit that is none in 40 digits, where rounding leaves nothing of the partials.
+          // A limit frame that is regular in 40 digits, where rounding leaves nothing of the partials.
           if (const double m = laws::magnified(q_.exact, q_.scales);
               has(sample.frame.status, Status::limit_frame) && std::isfinite(m))
             c.bound = std::fmax(c.bound, 8 * route_.roundoff * m);
@@ -225,7 +224,7 @@ class Comparer {
           add(frame_quantity, frame_members[k], c);
         }
     }
-    // As check: of regular points.
+    // Only at regular points, as in `check`.
     const bool forms = std::any_of(answer_.forms.begin(), answer_.forms.end(),
                                    [](const std::vector<double>& f) { return !f.empty(); });
     if (!forms || q_.own.status != Status::regular) return;
@@ -247,12 +246,12 @@ double factor(const Comparison& c) {
   return c.bound > 0 ? c.error / c.bound : 0;
 }
 
-// By the share of the bound, and where there is none by the error.
+// By the share of the bound or, without a bound, by the error.
 bool is_worse(const Comparison& a, const Comparison& b) {
   return factor(a) != factor(b) ? factor(a) > factor(b) : a.error > b.error;
 }
 
-// Of one x, route and quantity: where error / bound is largest.
+// Keeps, for one x, route and quantity, the point where error / bound is largest.
 void extend(StabilityCurve& curve, const Measurement& m) {
   const Comparison& c = m.found.comparison;
   curve.x.push_back(m.x);
@@ -267,13 +266,13 @@ void extend(StabilityCurve& curve, const Measurement& m) {
         m.v, m.surface};
 }
 
-// The questions at x, of the surface as `roundoff` holds it.
+// The cases at x, for the surface rounded to `roundoff`.
 std::vector<Question> questions(const StabilityOptions& options, const StabilitySweep& sweep,
                                 const AnySurface& surface, double x, std::size_t i, bool in_float) {
   std::vector<Question> result;
   std::optional<AnySurface> held = in_float ? rounded_to_float(surface) : surface;
   if (in_float) {
-    // Sizes whose squares and quotients float still holds.
+    // Sizes whose squares and quotients are within the range of float.
     const bool size = sweep.from == 1 / sweep.to || sweep.to > 1;
     if (size && !(1e-18 < x && x < 1e18)) return {};
     x = static_cast<float>(x);
@@ -290,7 +289,7 @@ std::vector<Question> questions(const StabilityOptions& options, const Stability
         c.u = u;
         c.v = v;
       }
-      // A distance that the coordinate cannot hold is another question.
+      // A distance that the coordinate cannot represent is a different case.
       if (c.distance) {
         const double away = std::fabs((c.distance->along == 0 ? c.u : c.v) - c.distance->centre);
         if (!(std::fabs(away - x) < 0.01 * x)) continue;

@@ -32,7 +32,7 @@ Coordinate kind_of(const AnySurface& surface, int along) {
   return along == 0 ? surface.info().u : surface.info().v;
 }
 
-// What the control points of a patch add to the condition, as its header states it.
+// The contribution of a patch's control points to the condition, as its header states it.
 double condition_of_data(const AnySurface& surface) {
   if (const auto* p = surface.get<BezierPatch<>>()) return 2 * (p->degree_u() + p->degree_v());
   if (const auto* p = surface.get<BSplinePatch<>>())
@@ -115,7 +115,7 @@ std::vector<Case> beside(const AnySurface& surface, const Places& places, double
 
 // ---- sizes ------------------------------------------------------------------------------------------------
 
-// Whether a parameter is a size: proven over magnitudes that counts and exponents do not have.
+// Whether a parameter is a size: its bounds are proven over magnitudes that counts and exponents do not have.
 bool is_size(const ParameterValue& p) {
   return p.proven.smallest <= 1e-30 && p.proven.largest >= 1e30;
 }
@@ -123,7 +123,7 @@ std::size_t sizes(const AnySurface& surface) {
   const auto parameters = surface.parameters();
   return static_cast<std::size_t>(std::count_if(parameters.begin(), parameters.end(), is_size));
 }
-// The first `count` sizes times x; none where the surface refuses them.
+// The first `count` sizes times x; none if the surface refuses them.
 std::vector<Case> resized(const AnySurface& surface, std::size_t count, double x, Random& random) {
   std::vector<double> values;
   for (const ParameterValue& p : surface.parameters()) {

@@ -1,4 +1,4 @@
-// What makes a question hard: from a surface and x to points.
+// The cases of a sweep: points at which evaluation is difficult, from a surface and x.
 #pragma once
 
 #include <array>
@@ -15,13 +15,13 @@ namespace darboux::sweeps {
 
 using Random = std::mt19937_64;
 
-// One question of a sweep.
+// One case of a sweep.
 struct Case {
   AnySurface surface;
   double u, v;
   std::string description;  // of the surface as it is here
   bool closed_frame;        // of the surface below its adaptors
-  double data_condition;    // of what is no parameter: control points
+  double data_condition;    // of data that are not parameters: control points
   // The coordinate (0: u, 1: v) that lies x from `centre`, in sweeps over a distance.
   struct Distance {
     int along;
@@ -32,15 +32,15 @@ struct Case {
   std::array<double, 4> M{1, 0, 0, 1};
   std::array<double, 2> offset{0, 0};
   bool mapped = false;
-  // Where the surface below is not smooth (AnySurface::breaks), along its u and its v.
+  // Where the base surface is not smooth (AnySurface::breaks), along its u and its v.
   std::array<std::vector<double>, 2> breaks{};
 
-  // The coordinates here of a point of the surface below.
+  // The coordinates of a point of the base surface.
   Vec2<double> coordinates(const Vec2<double>& below) const {
     const double determinant = M[0] * M[3] - M[1] * M[2], x = below.x - offset[0], y = below.y - offset[1];
     return {(M[3] * x - M[1] * y) / determinant, (M[0] * y - M[2] * x) / determinant};
   }
-  // How far u (along: 0) or v goes here to the nearest break, as if both coordinates were periodic.
+  // The distance in u (along: 0) or v to the nearest break, as if both coordinates were periodic.
   double to_a_break(std::size_t along) const {
     double nearest = std::numeric_limits<double>::infinity();
     for (const std::size_t k : {0u, 1u}) {
@@ -52,8 +52,8 @@ struct Case {
     }
     return nearest;
   }
-  // Whether coordinates that `roundoff` rounds still mean a point within the surface below: linear conditions
-  // reach no farther.
+  // Whether coordinates rounded to `roundoff` still mean a point within the base surface: linear conditions
+  // are valid only there.
   bool within(double roundoff) const {
     const auto good = [&](double a, double b, double c) {
       const double x = std::fma(a, u, std::fma(b, v, c));
@@ -63,8 +63,8 @@ struct Case {
   }
 };
 
-// The questions of a sweep at x: one or more for each place where the surface has what is swept; none where
-// it has none.
+// The cases of a sweep at x: one or more for each place where the surface has the swept property; none if it
+// has none.
 std::vector<Case> cases(std::string_view sweep, const AnySurface& surface, double x, Random& random);
 
 }  // namespace darboux::sweeps

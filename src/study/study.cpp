@@ -110,7 +110,7 @@ void read_job(const std::string& file, std::size_t number, const Json& line, Res
     broken(file, number, expected_got("every job once", "job " + std::to_string(job) + " again"));
 }
 
-// Lines that end with a line feed; what stands behind the last one was cut short and is not looked at.
+// Complete lines; text after the last line feed was cut short and is ignored.
 std::optional<Results> parse_results(const std::string& file, const std::string& text,
                                      const std::string& version) {
   Results results;
@@ -129,14 +129,15 @@ std::optional<Results> parse_results(const std::string& file, const std::string&
       read_job(file, number, line, results);
   }
   if (number > 0) return results;
-  // Not even the header is whole: nothing is lost if it was one, all if this is somebody's other file.
+  // Not even the header is complete. If it is the beginning of one, nothing is lost; otherwise this is
+  // another kind of file.
   constexpr std::string_view start = "{\"darboux_results\":";
   if (!text.starts_with(start) && !start.starts_with(text))
     broken(file, 1, "expected the header of a results file, got another text");
   return std::nullopt;
 }
 
-// A results file that is appended to, a line at a time, by one process.
+// A results file to which one process appends line by line.
 class ResultsFile {
  public:
   explicit ResultsFile(const std::string& path) : path_(path) {
@@ -155,7 +156,7 @@ class ResultsFile {
 
   bool regular() const { return regular_; }
 
-  // Cuts off what stands behind the first `size` bytes.
+  // Truncates the file to `size` bytes.
   void keep(std::size_t size) {
     size_ = size;
     if (regular_ && ::ftruncate(descriptor_, static_cast<off_t>(size)) != 0) fail();
@@ -167,7 +168,7 @@ class ResultsFile {
       if (n < 0 && errno == EINTR) continue;
       if (n <= 0) {
         const int error = errno;
-        // A part of a line would be cut off by the next run anyway.
+        // The next run would cut off an incomplete line anyway.
         if (regular_ && ::ftruncate(descriptor_, static_cast<off_t>(size_)) != 0) errno = error;
         errno = error;
         fail();
@@ -188,7 +189,7 @@ class ResultsFile {
   std::size_t size_ = 0;
 };
 
-// That these are results of this study, and of the same jobs.
+// Checks that these are results of this study, and of the same jobs.
 void check_same(const std::string& file, const Results& found, const Header& wanted,
                 const std::vector<Job>& jobs) {
   if (found.header.command != wanted.command || found.header.hash() != wanted.hash())
@@ -288,7 +289,7 @@ std::string merge_results(const std::vector<std::string>& files, const std::stri
       throw FileError(file,
                       expected_got("every shard once", "shard " + shard_text(header.shard) +
                                                            " again, which is in " + at->second + " too"));
-    // The next job may be beyond what a number holds.
+    // The number of the next job may overflow.
     const auto next = [&](std::size_t job) {
       return header.shard.count < header.jobs - job ? job + header.shard.count : header.jobs;
     };

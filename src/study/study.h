@@ -1,8 +1,8 @@
 /// \file study.h
-/// A study: a list of jobs with stable keys, each of which gives one JSON value. Their results go to a file
-/// as they come, so that a study that was killed goes on where it was and parts of it run in many processes.
-/// A results file is JSON lines: a header, {"run": ...} for every process that wrote to it, and
-/// {"job": i, "key": ..., "result": ...} for every job done. docs/howto/run-a-study.md describes it.
+/// A study: a list of jobs with stable keys, each of which gives one JSON value. Results are appended to a
+/// file as they arrive, so that an interrupted study can be resumed, and parts of it can run in several
+/// processes. A results file is JSON lines: a header, {"run": ...} for every process that wrote to it, and
+/// {"job": i, "key": ..., "result": ...} for every finished job. docs/howto/run-a-study.md describes it.
 #pragma once
 
 #include <cstddef>
@@ -14,13 +14,13 @@
 
 namespace darboux {
 
-/// One piece of work. Its result depends on nothing but its key and the study's identity, times apart.
+/// One piece of work. Except for times, its result depends only on its key and the study's identity.
 struct Job {
   std::string key;
   std::function<nlohmann::ordered_json()> run;  ///< called on any thread
 };
 
-/// Which jobs of all one process does: shard I of N has the jobs I-1, I-1+N, ...
+/// The jobs of one process: shard I of N has the jobs I-1, I-1+N, ...
 struct Shard {
   std::size_t index = 1, count = 1;
   bool has(std::size_t job) const { return job % count == index - 1; }
@@ -29,7 +29,7 @@ struct Shard {
 /// "2/7". \throws ParameterError unless 1 <= I <= N
 Shard parse_shard(const std::string& text);
 
-/// What is studied, and by whom.
+/// What identifies a study.
 struct StudyIdentity {
   std::string command;               ///< the report command: "converge"
   std::string version;               ///< of the tool; results of another are refused
@@ -38,7 +38,7 @@ struct StudyIdentity {
                                         the identity */
 };
 
-/// 64 bits of FNV-1a as hexadecimal digits: tells studies and input files apart, no more.
+/// 64 bits of FNV-1a as hexadecimal digits, only to distinguish studies and input files.
 std::string hash_text(std::string_view text);
 
 struct StudyOptions {
@@ -47,19 +47,19 @@ struct StudyOptions {
   int threads = 1;
 };
 
-/// Runs the jobs of the shard that the results file lacks, and appends each result as soon as it is there,
-/// with one write. Returns the results by job, null for those of other shards. A job whose line at the end
-/// was cut short is run again. Values pass through JSON text also without a file, so that both give the same
-/// bits.
+/// Runs the jobs of the shard that the results file lacks, and appends each result when it is available, with
+/// one write. Returns the results by job, null for those of other shards. A job whose line at the end was cut
+/// short is run again. Values pass through JSON text also without a file, so that both give the same bits.
 /// \param progress called with the share done, in [0, 1], on the calling thread
 /// \throws FileError for results of another study, version or shard, a broken line, a file that another
-/// process is writing, and a disk that is full: what was written until then stays, and can be resumed
+/// process is writing, and a full disk: results written until then stay, and can be resumed
 std::vector<nlohmann::ordered_json> run_study(const StudyIdentity& identity, const std::vector<Job>& jobs,
                                               const StudyOptions& options,
                                               const std::function<void(double)>& progress);
 
-/// The text of the results file that one process would have written, jobs in order, from those of all shards.
-/// \throws FileError for a shard that is missing, doubled, incomplete, or of another study or version
+/// The text of the results file that a single process would have written, jobs in order, from those of all
+/// shards. \throws FileError for a shard that is missing, duplicated, incomplete, or of another study or
+/// version
 std::string merge_results(const std::vector<std::string>& files, const std::string& version);
 
 }  // namespace darboux

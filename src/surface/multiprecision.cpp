@@ -22,8 +22,8 @@ struct SineCosine {
   Number sin, cos;
 };
 
-// sin πx and cos πx for 0 <= x <= 1: a table every 1/1024 and the Taylor series between, with the addition
-// theorems. Terms left out are below (π/2048)^12 / 12! = 4e-43. Five times as fast as boost's own.
+// sin πx and cos πx for 0 <= x <= 1: a table at steps of 1/1024 and the Taylor series between, with the
+// addition theorems. Truncated terms are below (π/2048)^12 / 12! = 4e-43. Five times as fast as boost's own.
 class HalfTurns {
  public:
   HalfTurns() {

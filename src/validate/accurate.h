@@ -10,7 +10,7 @@
 // (authored.h). Nothing is claimed at poles, where no direction is right for every texture, nor of faceted
 // normals on a recognised surface.
 //
-// From what evidence. The surface's truth at each vertex.
+// Evidence: the surface's truth at each vertex.
 #pragma once
 
 #include <span>

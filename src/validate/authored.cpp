@@ -8,7 +8,7 @@
 namespace darboux {
 namespace {
 
-// Whether a surface ends there: people give it the normals of the adjoining surface.
+// Whether a surface ends there: artists give it the normals of the adjoining surface.
 bool ends_at(VertexClass c) {
   return c == VertexClass::border || c == VertexClass::crease;
 }

@@ -1,4 +1,4 @@
-// What a question claims of a normal or a tangent.
+// The claim of a question about a normal or a tangent.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@ namespace darboux {
 enum class Basis : std::uint8_t {
   declared,
   recognised,
-  recognised_unsided  // a plane: which side is out nobody knows
+  recognised_unsided  // a plane: its outside is unknown
 };
 
 enum class Claim : std::uint8_t {
-  none,    // it cannot tell
+  none,    // undecided
   within,  // within the limit
   beyond   // beyond it
 };

@@ -5,9 +5,9 @@
 // MikkTSpace's, by area, by angle, any other. A tangent farther outside than the limit is no such average.
 // That is an error, unless a known surface or, on a coarse mesh, the neighbours (smooth.h) excuse it.
 //
-// From what evidence. The triangles of a corner are all that share its position and, within 0.9 degrees, its
-// normal (assimp joins dot products of 0.9999), and whose uv area has the sign of the corner's own. Where two
-// of them form a quad that is convex in uv, the triangles of its other diagonal count too: the tool that made
+// Evidence: the triangles of a corner are all that share its position and, within 0.9 degrees, its normal
+// (assimp joins dot products of 0.9999), and whose uv area has the sign of the corner's own. Where two of
+// them form a quad that is convex in uv, the triangles of its other diagonal count too: the tool that made
 // the tangents may have cut it along either one. Each dpdu carries the interval that half a rounding step of
 // positions, uvs and normal allows.
 //

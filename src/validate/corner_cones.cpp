@@ -210,7 +210,7 @@ bool CornerCones::is_left_open(std::uint32_t v, int sign, const Directions& dire
                                double outside, double limit_deg) {
   if (directions.pole_turn > 0 && outside <= limit_deg + degrees_per_radian * directions.pole_turn)
     return true;
-  // The frame turns over a triangle about as its normals do.
+  // Over a triangle, the frame turns about as much as the normals do.
   const double normals_turn = degrees_per_radian * directions.normals_turn;
   // Where a facet was cut into pieces and its frames were interpolated, frames turn though the facet is flat.
   if (directions.flat && outside <= limit_deg + normals_turn) return true;
@@ -392,9 +392,9 @@ bool CornerCones::is_open(const Triangle& t) const {
   return is_degenerate(p[0], p[1], p[2]) || certain_sign(mesh_, t, mesh_.half_steps.uv) == 0;
 }
 
-// Whether the uvs of a triangle lie on a line, and no two of its uvs or positions are equal. Two triangles of
-// different quads, whose diagonals meet, look like a quad with such a half, but are none. On a quad with a
-// collapsed edge, or with three corners on a line only in space, tools differ.
+// Whether the uvs of a triangle are collinear, and no two of its uvs or positions are equal. Two triangles of
+// different quads, whose diagonals meet, look like a quad with such a half, but are not. Tools differ on a
+// quad with a collapsed edge, or with three corners collinear only in space.
 bool CornerCones::is_on_a_line(const Triangle& t) const {
   const auto meet = [&](std::uint32_t a, std::uint32_t b) {
     return mesh_.positions[a] == mesh_.positions[b] || mesh_.uvs[a] == mesh_.uvs[b];

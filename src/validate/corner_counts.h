@@ -16,7 +16,7 @@ namespace darboux {
 struct Reason {
   std::string_view why, to_do;
 };
-// With its why behind the message.
+// The warning with the reason's `why` appended to its message.
 Finding warning(Code code, std::size_t count, const std::string& more, const Reason& reason);
 
 // How many corners of a code there are, and the worst of them.
@@ -48,9 +48,9 @@ struct CornerCounts {
   // twice as near to the plane of its triangles.
   double most_along_normal = 0;
   std::size_t in_plane = 0;
-  std::vector<Vec3<double>> planes;  // of each vertex, once they are asked for
+  std::vector<Vec3<double>> planes;  // of each vertex, once needed
 
-  // Errors of which the triangles alone tell, at so few of the corners that slivers may cause them.
+  // Whether only the triangles show these errors, at so few corners that slivers may be the cause.
   bool are_few(Code code, std::size_t corners) const;
 };
 

@@ -22,7 +22,8 @@ namespace darboux {
 namespace {
 
 constexpr std::size_t most_samples = 4096, least_samples = 10;
-// Normals under a linear map have no discretisation error, but eight unknowns would fit any few normals.
+// Linearly mapped normals have no discretisation error, but eight unknowns would fit any small set of
+// normals.
 constexpr std::size_t least_normals = 50;
 
 struct Pair {
@@ -187,7 +188,7 @@ Eigen::MatrixXd span_of(const std::vector<Pair>& samples) {
   return vectors.rightCols<2>();
 }
 
-// What a map does to positions. \param of_normals m maps normals, by the inverse transpose
+// A description of a map's effect on positions. \param of_normals m maps normals, by the inverse transpose
 std::string text_of_map(const Eigen::Matrix3d& m, Eigen::Index dimensions, bool of_normals) {
   const Eigen::Vector3d singular = singular_value_decomposition(m).values,
                         scale = singular / singular[dimensions - 1];
@@ -222,7 +223,7 @@ std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, doubl
     sum += by.transpose() * by / static_cast<double>(samples.size());
   }
   const auto [least, maps] = symmetric_eigen(sum);
-  // Vectors on one line leave M open, and so do references in one plane.
+  // Collinear vectors do not determine M, nor do coplanar references.
   constexpr double identifiable = 1e-3;
   if (!(least[1] > identifiable)) return std::nullopt;
   const Eigen::VectorXd column = maps.col(0);
@@ -259,7 +260,7 @@ std::optional<std::string> rotation_of(const std::vector<Pair>& samples) {
   return ": by a map that turns";
 }
 
-// The planes of the triangles, on the side of the normals.
+// Unit normals of the triangles, oriented like the stored normals.
 std::vector<Vec3<double>> planes_of(const MeshUnderTest& under_test) {
   const double side = under_test.normals.all_oppose ? -1 : 1;
   std::vector<Vec3<double>> result;
@@ -314,11 +315,11 @@ void for_each_turn(const MeshUnderTest& under_test, const std::vector<Vec3<doubl
       });
 }
 
-constexpr double round_turn = 1.5;  // of exact normals from averages, by the turn between triangles
+constexpr double round_turn = 1.5;  // deviation of exact normals from averages, over that turn
 
-// Less those off their facet that a round surface explains: their normals lie between it and a triangle
-// beside it that turns little from it, as at a cone's apex, where each column has a vertex of its own; or, at
-// a border, no farther off than one and a half of that turn.
+// Removes samples that a curved surface explains: their normals lie between that of the facet and that of a
+// neighbouring triangle that turns little from it, as at a cone's apex, where each column has a vertex of its
+// own; or, at a border, they are off by at most one and a half times that turn.
 std::vector<Pair> without_rounded(const MeshUnderTest& under_test, std::vector<Pair> samples) {
   constexpr double within_deg = 1;
   const Mesh& mesh = under_test.mesh;
@@ -341,7 +342,7 @@ std::vector<Pair> without_rounded(const MeshUnderTest& under_test, std::vector<P
   return samples;
 }
 
-// Normals beside the averages of their triangles by angle.
+// Pairs of stored normals and angle-weighted averages over their triangles.
 std::vector<Pair> normals_of_averages(const MeshUnderTest& under_test, double limit) {
   const Mesh& mesh = under_test.mesh;
   VertexJoins of_part;
@@ -371,8 +372,8 @@ std::vector<Pair> normals_of_averages(const MeshUnderTest& under_test, double li
   return samples;
 }
 
-// Widens their limits to what exact normals of a coarse mesh miss averages by: one and a half of the turn
-// from triangle to triangle.
+// Widens their limits by the deviation of exact normals from averages on a coarse mesh: one and a half times
+// the turn from triangle to triangle.
 void widen_by_turns(const MeshUnderTest& under_test, std::vector<Pair>& samples) {
   const Mesh& mesh = under_test.mesh;
   VertexJoins of_part;
@@ -389,7 +390,7 @@ void widen_by_turns(const MeshUnderTest& under_test, std::vector<Pair>& samples)
   for (Pair& s : samples) s.limit = std::fmax(s.limit, round_turn * turns[joined[s.corner]]);
 }
 
-// Normals whose estimates from the neighbours have three standard deviations within two fifths of the limit.
+// Share of the limit that three standard deviations of an estimate from the neighbours may take up.
 constexpr double known_to = 0.4;
 std::vector<Pair> normals_of_neighbours(const MeshUnderTest& under_test, double limit) {
   const Mesh& mesh = under_test.mesh;
@@ -444,7 +445,7 @@ bool diagnose_unknown(const MeshUnderTest& under_test, const ValidateOptions& op
   const double limit = options.max_angle_deg;
   std::vector<Pair> facets = normals_of_facets(under_test, limit / 5);
   if (are_off(facets)) facets = without_rounded(under_test, std::move(facets));
-  // Where few are facets, as along an edge that a surface folds at, the rest tells better.
+  // If facets are few, as along a fold of a curved surface, the other vertices are better evidence.
   constexpr std::size_t least_share = 5;
   if (are_off(facets) && least_share * facets.size() >= std::min(most_samples, drawn_vertices(under_test)) &&
       add_map(under_test, facets, limit / 5, report))

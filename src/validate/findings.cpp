@@ -13,9 +13,8 @@ using enum Severity;
 constexpr std::array kinds{
     FindingKind{"TANGENT_NOT_FINITE", error, "tangents hold NaN or infinity",
                 "look for a division by a zero length or uv area in the exporter"},
-    FindingKind{
-        "TANGENT_ZERO", error, "tangents are zero: no direction for the normal map here",
-        "give the vertex any direction perpendicular to the normal; leave out triangles without area"},
+    FindingKind{"TANGENT_ZERO", error, "tangents are zero, so the normal map has no direction here",
+                "store any unit vector perpendicular to the normal; remove triangles without area"},
     FindingKind{"TANGENT_NOT_UNIT", error, "tangents are not of unit length",
                 "normalise before writing; undo scale in quantised data"},
     FindingKind{"TANGENT_INVALID_SIGN", error, "w of the tangent is neither +1 nor -1",
@@ -54,8 +53,8 @@ constexpr std::array kinds{
                 "negate w in glTF files; readers of the raw convention leave it as it is"},
     FindingKind{
         "BINORMAL_AGAINST_V", warning,
-        "binormals point where v decreases; exporters of this format have them along v",
-        "negate the binormals; do nothing where the normal map's green channel points down (DirectX)"},
+        "binormals point towards decreasing v; in this format they usually point towards increasing v",
+        "negate the binormals, unless the normal map's green channel points down (DirectX)"},
     FindingKind{
         "HANDEDNESS_MIXED", warning,
         "w follows neither sign convention throughout; the smaller part is counted",
@@ -65,9 +64,10 @@ constexpr std::array kinds{
                 "vertices are shared by triangles whose uvs wind differently: one w cannot serve both",
                 "split vertices where uvs are mirrored"},
     FindingKind{
-        "NORMALS_OPPOSE_WINDING", warning, "triangles are wound clockwise as seen along their normals",
-        "reverse the winding, as after baking a mirror, or negate the normals; nothing, where leaves and "
-        "cards are lit as the whole is"},
+        "NORMALS_OPPOSE_WINDING", warning,
+        "triangles are wound clockwise, seen from the side that their normals point to",
+        "reverse the winding (a baked mirror flips it) or negate the normals; nothing, if leaves or cards "
+        "use the normals of the whole on purpose"},
     FindingKind{
         "INDICES_LEFT_OVER", warning,
         "the last indices do not make a whole triangle (counted in indices); only whole triangles are judged",
@@ -91,9 +91,9 @@ constexpr std::array kinds{
                 "direction there is right for every texture",
                 "nothing; a separate vertex per column is best"},
     FindingKind{"NORMALS_INWARD", info,
-                "normals and triangles face against the surface's normal, as on the inside of a sphere; they "
-                "were compared with its opposite",
-                "nothing, if the mesh is seen from that side"},
+                "normals and winding are opposite to the surface's normal, as for a sphere seen from inside; "
+                "they were compared with the inward normal",
+                "nothing, if the mesh is meant to be seen from that side"},
     FindingKind{
         "FACETED", info,
         "normals are those of the triangles (flat shading), and neighbouring triangles face other ways",
@@ -118,7 +118,8 @@ constexpr std::array kinds{
                 "nothing; if you know the surface, declare it (--surface)"},
     FindingKind{
         "BUDGET_SPENT", info,
-        "the time for recognising surfaces ran out (--budget); what was not compared counts as unknown",
+        "recognition of surfaces exceeded its time budget (--budget); parts not yet compared count as "
+        "unknown",
         "raise --budget, or declare the surface"},
     FindingKind{"CREASE_SHARED", info,
                 "vertices are shared by two surfaces that meet at an angle: no normal or tangent is right "

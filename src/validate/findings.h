@@ -89,7 +89,7 @@ struct NamedReport {
 // there w has the opposite meaning.
 void compare_conventions(std::span<const NamedReport> parts);
 
-// For a report that nothing could judge, of a piece of something that passes.
+// Turns an undetermined report into a pass: of a part or primitive whose mesh passes elsewhere.
 inline void pass_if_undetermined(MeshReport& report) {
   if (report.without_errors != Verdict::undetermined) return;
   report.without_errors = Verdict::pass;

@@ -149,8 +149,8 @@ void append(const Mesh& other, Mesh& mesh) {
   mesh.half_steps = larger_of(mesh.half_steps, other.half_steps);
 }
 
-// MikkTSpace may have been run over the mesh alone, or over the triangles beside it too: the reference that
-// gives more of the mesh's stored tangents.
+// MikkTSpace may have been run over the mesh alone, or together with adjacent triangles: the reference that
+// reproduces more of the mesh's stored tangents.
 MikktspaceReference reference_of_both(const Mesh& mesh, const MikktspaceReference& own, const Mesh& both,
                                       int threads) {
   const std::size_t given = stored_corners(mesh, own);
@@ -163,8 +163,8 @@ MikktspaceReference reference_of_both(const Mesh& mesh, const MikktspaceReferenc
   return {both, of_corner, own.faces()};
 }
 
-// Runs the checks that need averages over the triangles beside the mesh too. The classes stay those of the
-// mesh: less is claimed at its border.
+// Runs the checks that need averages over the adjacent triangles, too. The classes stay those of the mesh:
+// less is claimed at its border.
 void check_with_those_beside(MeshUnderTest& under_test, const ValidateOptions& options) {
   const Mesh& mesh = under_test.mesh;
   Mesh both = mesh;

@@ -1,4 +1,4 @@
-// A mesh with what is computed from it, once, before any surface is known.
+// A mesh with the data that are computed from it once, before any surface is known.
 #pragma once
 
 #include <cstdint>

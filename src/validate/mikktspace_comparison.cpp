@@ -17,7 +17,7 @@ namespace {
 
 constexpr double same_rounding_deg = 2e-5;  // a few units in the last place of floats
 
-// Whether two tangents are the same to the bit, but for w.
+// Whether two tangents are equal bit for bit, except for w.
 bool same_direction_bits(const Vec4<double>& stored, const Vec4<float>& m) {
   const auto bits = [](double x) { return std::bit_cast<std::uint32_t>(static_cast<float>(x)); };
   return bits(stored.x) == bits(m.x) && bits(stored.y) == bits(m.y) && bits(stored.z) == bits(m.z);
@@ -107,7 +107,7 @@ MikktspaceComparison compare_with_mikktspace(const MeshUnderTest& under_test,
                      if (m.w != 0 && checks[v].has_tangent) {
                        a = angles_to_mikktspace(mesh, v, checks[v], m, raw);
                        bits.add(mesh.tangents[v], m, corners);
-                       // Far from perpendicular, MikkTSpace's own would differ from itself in projection.
+                       // Far from perpendicular, projection would turn even MikkTSpace's own tangent.
                        a.projected_tangent = std::fmin(a.projected_tangent, a.tangent);
                        if (a.tangent <= same_rounding_deg) near += corners;
                        if (classes[v] != VertexClass::pole &&

@@ -23,7 +23,7 @@ using Normals = std::vector<Vec3<double>>;
 
 constexpr double average_deg = 1;   // from an average by a usual weighting
 constexpr double tolerance = 1e-3;  // the sine of how far outside the cone rounding may leave a normal
-// All triples of normals are tried. Where many meet at a tip, only normals that are apart are used.
+// All triples of normals are tried. If very many meet at a tip, only clearly different ones are used.
 constexpr std::size_t many = 40, most_normals = 100;
 // Cosines: of 0.08 degrees, of 5 degrees, and 0.8 degrees from -1.
 constexpr double alike = 1 - 1e-6, near = 0.9962, opposite = -1 + 1e-4;

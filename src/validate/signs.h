@@ -15,9 +15,9 @@ struct SignCount {
   std::size_t raw = 0, gltf = 0;
 };
 
-// Of the whole mesh and of each island, over the corners of triangles with uv area. Not counted are corners
-// where w has no one meaning: the normal is more than 80 degrees from the triangle (the uvs' winding says one
-// sign, the side of dpdv the other), or the dpdu of the vertex's triangles go all round it.
+// Signs of the whole mesh and of each island, over the corners of triangles with uv area. Corners where w is
+// ambiguous do not count: the normal is more than 80 degrees from the triangle (the winding of the uvs and
+// the side of dpdv then give opposite signs), or the dpdu of the vertex's triangles go all round it.
 class Signs {
  public:
   Signs(const MeshUnderTest& under_test, std::span<const VertexChecks> checks);
@@ -35,9 +35,9 @@ class Signs {
 
  private:
   void count();
-  // Where w has no one meaning, no sign is wrong at any corner of the vertex: if a triangle has no uv area,
-  // or is more than 80 degrees from the normal, it may have given its sign to all. Only if few corners, one
-  // in a hundred, are in question: such triangles do not spoil a mesh.
+  // Judges no sign at vertices where w is ambiguous: a triangle that has no uv area, or is more than 80
+  // degrees from the normal, may have given its sign to all corners. Applies only if at most one corner in a
+  // hundred is affected, so that such triangles do not fail a mesh.
   void open_few();
   // Triangles do not count if they have no area in space, or none in uv beyond single-precision rounding:
   // they are not visible.

@@ -7,7 +7,7 @@
 namespace darboux {
 namespace {
 
-// Of a direction that may excuse a tangent: three of these are still half a right angle.
+// The largest standard deviation of a direction that may excuse a tangent; three of them make 45 degrees.
 constexpr double most_deviation_deg = 15;
 
 }  // namespace
@@ -41,7 +41,7 @@ Smooth check_smooth(const MeshUnderTest& under_test, const Accurate& accurate,
                              claim_of(a.projected_tangent, deviation, limit) != Claim::beyond;
   }
   if (std::find(beyond.begin(), beyond.end(), true) == beyond.end()) return result;
-  // Beside slivers and poles polynomials may be anything.
+  // Next to slivers and poles the polynomials are unreliable.
   std::vector<double> within_deg(n, 1);
   for (std::uint32_t v = 0; v < n; ++v)
     if (beyond[v]) within_deg[v] = followed_deg(result.angles[v].normal);

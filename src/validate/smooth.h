@@ -7,7 +7,7 @@
 // Where no surface is known, this question may also excuse a tangent: triangles of a coarse mesh are chords,
 // and an exact tangent may lie outside their cone.
 //
-// From what evidence. local_truth() at each vertex.
+// Evidence: local_truth() at each vertex.
 #pragma once
 
 #include <span>

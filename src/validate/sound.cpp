@@ -30,8 +30,8 @@ constexpr double most_against = 0.99;
 struct Plane {
   Vec3<double> normal;  // unit
   double uncertain;     // the sine of that angle; 1: the plane is unknown
-  // Area below a thousandth of its rounding, so corners meant to coincide or on a line; or within its
-  // rounding, on a triangle a hundred times as long as high: nothing is seen of it.
+  // Invisible: the area is below a thousandth of its rounding error, so corners were meant to coincide or to
+  // be collinear; or it is within that error, and the triangle is a hundred times as long as high.
   bool vanishes;
 };
 
@@ -474,7 +474,7 @@ NormalChecks check_normals(const Mesh& mesh, const std::vector<bool>& has_area, 
         }))
       result.faceted[t] = any_candidate = true;
   }
-  // Of a mesh so fine that rounding leaves its planes open, signs still tell in sum.
+  // On a mesh so fine that rounding leaves its planes uncertain, the signs are still evidence in total.
   result.all_oppose = (2 * certain.corners >= any.corners ? certain : any).all();
   if (result.all_oppose && 2 * certain.corners < any.corners) oppose_all(mesh, has_area, result);
   result.side = sides_of(joins, agreeing, std::move(agrees));

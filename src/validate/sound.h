@@ -6,7 +6,7 @@
 // these, so they are errors. The exception is such normals at borders of unknown surfaces: they may be
 // deliberate.
 //
-// From what evidence. The stored numbers, their rounding (Mesh::half_steps), and the triangles' own planes.
+// Evidence: the stored numbers, their rounding (Mesh::half_steps), and the triangles' own planes.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace darboux {
 
-// Of |t.n| for unit vectors.
+// The limit of |t.n| for unit vectors.
 inline constexpr double orthogonal_tolerance = 0.02;
 inline constexpr double along_normal_tolerance = 0.26;  // 75 degrees
 

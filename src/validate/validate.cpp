@@ -34,7 +34,7 @@ float kept(double angle) {
   return angle < 0 ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(angle);
 }
 
-// Whether two references agree within what is known of them.
+// Whether two references agree within their uncertainties.
 DARBOUX_FLATTEN bool agree(const Truth& a, const Truth& b, double floor_deg) {
   const auto within = [&](double angle, double one, double other) {
     return degrees_per_radian * angle <= certain * std::hypot(one, other) + floor_deg;
@@ -108,7 +108,8 @@ class MeshValidation {
     return darboux::limit_of(classes_.of_vertex[v], options_.max_angle_deg);
   }
   bool is_pole(std::uint32_t v) const { return classes_.of_vertex[v] == VertexClass::pole; }
-  // Where a recognised surface ends, people blend its normals into what adjoins it, and tangents follow.
+  // At the boundary of a recognised surface, artists blend its normals into the adjacent surface, and
+  // tangents follow.
   bool may_be_authored(std::uint32_t v) const { return !authored_.empty() && authored_[v]; }
   std::string worst_text(double worst, const std::string& more = {}) const {
     return (worst > 0 ? " (worst " + rounded(worst, 4) + " deg, limit " : std::string(" (limit ")) +
@@ -141,12 +142,12 @@ class MeshValidation {
   bool is_unsupported(std::uint32_t v) const {
     return !mesh_.normals.empty() && under_test_.normals.unsupported[v];
   }
-  // No triangle with area has it, or none with uv area, so that nobody sees its tangent.
+  // Whether no triangle with area, or none with uv area, uses it: its tangent then has no visible effect.
   bool is_unseen(std::uint32_t v) const {
     return is_hidden(v) || (!mesh_.uvs.empty() && !under_test_.has_uv_area[v]);
   }
   bool is_hidden(std::uint32_t v) const { return !mesh_.normals.empty() && !under_test_.normals.drawn[v]; }
-  // Leaves and grass on cards are lit as the crown or the ground is.
+  // Leaves and grass on cards are lit like the crown or the ground.
   bool may_be_lit_otherwise(std::uint32_t v) const {
     return !accurate_.known() &&
            (classes_.of_vertex[v] == VertexClass::border || under_test_.normals.may_be_meant[v]);
@@ -378,7 +379,7 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Corner
   if (is_pole(v) && surface.tangent > limit_of(v)) warn(counts.poles, surface.tangent);
   if (checks_[v].leans && !is_unseen(v)) counts.leaning += group.corners;
   if (is_unsupported(v) && may_be_lit_otherwise(v)) counts.lit_otherwise += group.corners;
-  // At a border, exact normals of coarse sheets may be as far.
+  // At a border of a coarse sheet, even exact normals may be this far off.
   const bool is_told = accurate_.known() || classes_.of_vertex[v] == VertexClass::border ||
                        (smooth_.known() && smooth_.normals[v] != Claim::none);
   if (!is_told && !mesh_.normals.empty() && under_test_.normals.departing[v])
@@ -397,7 +398,7 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Corner
   if (error == no_code && !accurate_.known() && !under_test_.cones.empty() &&
       under_test_.cones.claim(v, group.sign) == Claim::beyond)
     warn(counts.chord_tangents, under_test_.cones.outside_deg(v, group.sign));
-  // A polynomial does not see folds of uvs, as octahedral uvs have.
+  // Polynomials ignore folds of the uvs, such as those of octahedral maps.
   const bool is_average =
       !under_test_.cones.empty() && under_test_.cones.claim(v, group.sign) == Claim::within;
   if (error == no_code && smooth_.tangents[v] == Claim::beyond && !is_average &&

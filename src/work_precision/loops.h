@@ -1,6 +1,6 @@
 /// \file loops.h
-/// Frames at a point as people usually write them: the sines of the C++ library, a cross product, lengths;
-/// partials by the formula, by dual numbers through the position, or by its central differences.
+/// Frames at a point as commonly implemented: sines from the C++ library, a cross product, lengths; partials
+/// by the formula, by dual numbers through the position, or by its central differences.
 #pragma once
 
 #include <array>
@@ -42,8 +42,8 @@ constexpr std::span<const double> difference_weights(int order) {
   return std::span(central_weights).subspan(4 * (terms - 1), terms);
 }
 
-/// The step at which rounding and truncation are about equal for a function that is like sin 2πx, a power of
-/// two.
+/// The step at which rounding and truncation errors are about equal for a function that varies like sin 2πx,
+/// a power of two.
 template <class T>
 T difference_step(int order) {
   const double truncation = order == 2 ? 1. / 6 : order == 4 ? 1. / 30 : order == 6 ? 1. / 140 : 1. / 630;

@@ -18,7 +18,7 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// A method on its way: what time_in_rounds() wants, and the sample it becomes.
+// A method being measured: the members that time_in_rounds() requires, and the sample.
 struct Item {
   const WorkMethod* method;
   std::function<void()> run;
@@ -51,7 +51,7 @@ WorkSample sample_of(const Item& item, const AnySurface& surface) {
   return s;
 }
 
-// The largest of errors and their root mean square. One that is no number makes both infinite.
+// The largest error and the root mean square. An error that is not a number makes both infinite.
 struct Errors {
   double largest = 0, squares = 0;
   std::size_t count = 0;
@@ -71,7 +71,7 @@ void set(WorkSample& s, const std::string& name, const Errors& e) {
 
 // ---- evaluation -------------------------------------------------------------------------------------------
 
-// A vector in 40 digits as the sum of two of doubles.
+// A vector in 40 digits as the sum of two vectors of doubles.
 struct Twofold {
   Vec3<double> high, low;
   explicit Twofold(const Vec3<Multiprecision>& a) {
@@ -81,17 +81,17 @@ struct Twofold {
     high = rounded(a);
     low = rounded({a.x - Multiprecision(high.x), a.y - Multiprecision(high.y), a.z - Multiprecision(high.z)});
   }
-  // What `a` is off: exact where it is near.
+  // The error of `a`, exact if `a` is near.
   Vec3<double> error_of(const Vec3<double>& a) const { return (a - high) - low; }
-  // The angle from this unit vector to `a`: a × this = (a - this) × this. What is no unit vector to a
-  // thousandth, such as zeros, has no direction to speak of: infinity.
+  // The angle from this unit vector to `a`: a × this = (a - this) × this. A vector that is not unit to a
+  // thousandth, such as zero, has no meaningful direction: infinity.
   double angle_to(const Vec3<double>& a) const {
     if (!(std::abs(norm(a) - 1) < 1e-3)) return infinity;
     return std::atan2(norm(cross(error_of(a), high)), dot(a, high));
   }
 };
 
-// Of each point that is checked position, dpdu, dpdv, t, b, n; and the longest of the first three.
+// For each checked point: position, dpdu, dpdv, t, b, n; and the greatest length of the first three.
 struct Truth {
   std::vector<std::array<Twofold, 6>> at;
   std::array<double, 3> longest{};
@@ -125,7 +125,7 @@ void set_errors(WorkSample& s, const WorkBatch<T>& batch, const Truth& truth, bo
     };
     for (std::size_t k = 0; k < 3; ++k)
       (k == 0 ? position : partials).add(norm(truth.at[i][k].error_of(vector(k))) / truth.longest[k]);
-    // n of a cross product: on the side of dpdu × dpdv, and so is b.
+    // n of a cross product is on the side of dpdu × dpdv, and so is b.
     const double side =
         keeps_side
             ? 1
@@ -146,7 +146,7 @@ void set_errors(WorkSample& s, const WorkBatch<T>& batch, const Truth& truth, bo
   set(s, "frame", frame);
 }
 
-// The surface as float holds it: what float is asked, and double of the same points.
+// The surface's numbers rounded to float: the input of float, and of double at the same points.
 std::vector<double> values_in_float(const AnySurface& surface) {
   std::vector<double> values;
   for (const ParameterValue& p : surface.parameters()) values.push_back(static_cast<float>(p.value));
@@ -174,7 +174,7 @@ class Evaluations {
       u_.push_back(uniform());
       v_.push_back(uniform());
     }
-    // Arrays whose distance is no power of two.
+    // Arrays whose distance is not a power of two.
     const std::size_t stride = count + 40;
     memory_.resize(18 * stride);
     batch_.u = u_;
@@ -184,7 +184,7 @@ class Evaluations {
   Evaluations(const Evaluations&) = delete;
   Evaluations& operator=(const Evaluations&) = delete;
 
-  // Those that the surface has.
+  // The methods that the surface supports.
   void append_items(std::vector<Item>& items) {
     WorkBatch<T> few = batch_;
     few.u = few.u.first(1);
@@ -201,7 +201,7 @@ class Evaluations {
     }
   }
 
-  // Of those items that are this precision's, when they have been timed.
+  // Appends the samples of this precision's items once they have been timed.
   void append_samples(std::vector<Item>& items, std::vector<WorkSample>& samples) {
     Truth truth;
     Attempt at_truth{in_its_numbers_.failure};
@@ -239,7 +239,7 @@ class Evaluations {
   WorkBatch<T> batch_;
 };
 
-// Double and float take turns in the same rounds.
+// Double and float alternate within the same rounds.
 std::vector<WorkSample> evaluation_samples(const WorkOptions& options, const AnySurface& surface,
                                            const std::function<void()>& after) {
   Evaluations<double> in_double(options, surface);
@@ -256,7 +256,7 @@ std::vector<WorkSample> evaluation_samples(const WorkOptions& options, const Any
 
 // ---- meshes -----------------------------------------------------------------------------------------------
 
-// Of the classes together, poles apart.
+// Over all classes together, except poles.
 void set_errors(WorkSample& s, const std::vector<LevelSample>& levels) {
   constexpr double radians = std::numbers::pi / 180;
   for (const std::string_view quantity : study_quantities) {
@@ -277,7 +277,7 @@ void set_errors(WorkSample& s, const std::vector<LevelSample>& levels) {
 std::vector<WorkSample> mesh_samples(const WorkOptions& options, const AnySurface& surface,
                                      const MeshFamily& family, const std::function<void()>& after) {
   std::vector<WorkSample> samples;
-  std::vector<std::pair<const WorkMethod*, std::string>> stopped;  // and what is said of finer meshes
+  std::vector<std::pair<const WorkMethod*, std::string>> stopped;  // with their failure
   for (const int n : options.resolutions) {
     Mesh mesh;
     Attempt at_mesh;

@@ -22,7 +22,7 @@ void put(const WorkBatch<T>& batch, std::size_t i, const loops::Numbers<T>& x) {
     for (Eigen::Index c = 0; c < 3; ++c) batch.numbers[k++][i] = (*a)[c];
 }
 
-// f(surface, u, v) at all points, of the catalogue's type that the surface has.
+// Calls f(surface, u, v) at all points, with the surface as its type in the catalogue.
 template <class T, class F>
 bool through_its_type(const AnySurface& any, const WorkBatch<T>& batch, const F& f) {
   bool found = false;
@@ -126,7 +126,7 @@ constexpr WorkMethod of_evaluation[] = {
     {"many-digits", "many-digits", "everything in 40 digits, rounded at the end", points, many_digits},
 };
 
-// The families of methods over meshes; of others the method itself.
+// The families of methods over meshes; other methods are their own family.
 struct Member {
   std::string_view method, family;
 };
@@ -154,7 +154,7 @@ std::span<const WorkMethod> work_methods() {
     std::vector<WorkMethod> list;
     const auto sets = instruction_sets();
     for (const WorkMethod& method : of_evaluation) {
-      // Those of other machines are left out.
+      // Methods for other machines are omitted.
       const std::string_view name = method.name;
       bool here = method.family != "darboux";
       for (const InstructionSet set : sets)

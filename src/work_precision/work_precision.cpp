@@ -11,8 +11,8 @@ namespace darboux {
 void mark_fronts(std::vector<WorkSample>& samples, const WorkAxes& axes) {
   for (WorkSample& s : samples) {
     const std::size_t x = find_work_metric(axes.x_of(s.domain)), y = find_work_metric(axes.y_of(s.domain));
-    // Comparisons with NaN are false, and no finite number is above an infinite one: what has no number
-    // dominates nothing that has.
+    // Comparisons with NaN are false, and no finite number exceeds an infinite one: a sample with a metric
+    // that is not finite dominates none without.
     s.on_front = s.best_of_family = std::isfinite(s.metric[x]) && std::isfinite(s.metric[y]);
     for (const WorkSample& other : samples) {
       if (other.surface != s.surface || other.domain != s.domain || other.mesh != s.mesh) continue;
@@ -35,8 +35,8 @@ TimeRatio time_ratio(std::span<const double> first, std::span<const double> seco
   const std::size_t count = quotients.size();
   TimeRatio result{(quotients[(count - 1) / 2] + quotients[count / 2]) / 2, 0,
                    std::numeric_limits<double>::infinity()};
-  // How many quotients lie below the true one: mean mn/2, variance mn(m + n + 1)/12, nearly normal from four
-  // on each side.
+  // The number of quotients below the true one: mean mn/2, variance mn(m + n + 1)/12, nearly normal from four
+  // rounds on each side.
   const auto m = static_cast<double>(first.size()), n = static_cast<double>(second.size());
   const double outside = std::floor(m * n / 2 - 1.959964 * std::sqrt(m * n * (m + n + 1) / 12));
   if (first.size() < 4 || second.size() < 4 || outside < 1) return result;
@@ -47,7 +47,7 @@ TimeRatio time_ratio(std::span<const double> first, std::span<const double> seco
 }
 
 bool same_question(const WorkSample& a, const WorkSample& b) {
-  // Where a mesh cannot be made there are no points to count.
+  // If a mesh cannot be made, there are no points to count.
   const bool failed = !a.failure.empty() || !b.failure.empty();
   return a.surface == b.surface && a.method == b.method && a.mesh == b.mesh && a.resolution == b.resolution &&
          (a.points == b.points || failed);
@@ -59,8 +59,8 @@ bool is_error(std::size_t metric) {
   return work_metrics[metric] != "time_ns" && work_metrics[metric] != "seconds";
 }
 
-// Whether the fastest round too says that the second takes more than `times` as long: what else runs on a
-// machine only adds time, and may do so through all rounds of one run.
+// Whether the fastest rounds also show that the second takes more than `times` as long: other work on the
+// machine only adds time, and may do so in all rounds of one run.
 bool fastest_agrees(const WorkComparison& c, double times) {
   const auto fastest = [](const WorkSample& s) {
     return *std::min_element(s.rounds.begin(), s.rounds.end());
@@ -68,8 +68,8 @@ bool fastest_agrees(const WorkComparison& c, double times) {
   return !c.before.rounds.empty() && !c.after.rounds.empty() && fastest(c.after) > times * fastest(c.before);
 }
 
-// Errors are the same numbers in every run of the same program; an error of 0 that becomes any is worse
-// without end, and so is one that is no longer there.
+// Errors are identical in every run of the same program. A change from an error of 0 to any other counts as
+// infinitely worse, and so does an error that no longer exists.
 void compare_errors(WorkComparison& c) {
   double worst = -1;
   for (std::size_t k = 0; k < work_metrics.size(); ++k) {

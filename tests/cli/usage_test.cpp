@@ -141,8 +141,8 @@ TEST_F(Cli, QuietLeavesTheVerdict) {
   EXPECT_EQ(good("darboux validate --quiet --baseline old.json " + bad_file),
             bad_file + ": fail (no worse than in the baseline)\n");
   EXPECT_EQ(good("darboux plan --quiet " + good_file), good_file +
-                                                           ": ok, no primitive needs TANGENT; 1 carries it "
-                                                           "for nothing (34.3 kB of 128 kB of geometry)\n");
+                                                           ": ok, no primitive needs TANGENT; 1 stores it "
+                                                           "unused (34.3 kB of 128 kB of geometry)\n");
   EXPECT_EQ(good("darboux check sphere --points 10 --quiet"), "all passed\n");
   EXPECT_EQ(good("darboux fit data/torus_032.mikk.glb --quiet"), "data/torus_032.mikk.glb: torus\n");
   for (const std::string command :

@@ -50,7 +50,7 @@ TEST(BesidePlane, NamedKindsAreFoundOnTheGround) {
       options.surface = kind;
       const PointFit fit = fit_points(on_the_ground(kind, 1000, 1100, random), options);
       ASSERT_TRUE(fit.usable) << kind << ": " << fit.reason;
-      EXPECT_NE(fit.reason.find("beside it is left out"), std::string::npos) << kind << ": " << fit.reason;
+      EXPECT_NE(fit.reason.find("; excluded: "), std::string::npos) << kind << ": " << fit.reason;
       // An eighth of the torus is within three times the noise of the ground.
       EXPECT_GT(fit.inliers, 840U) << kind;
       EXPECT_LT(fit.inliers, 1060U) << kind;
@@ -86,7 +86,7 @@ TEST(BesidePlane, DomesAreFoundOnTheirFloor) {
       options.surface = "sphere";
       const PointFit fit = fit_points(cloud, options);
       ASSERT_TRUE(fit.usable) << fit.reason;
-      EXPECT_NE(fit.reason.find("beside it is left out"), std::string::npos) << fit.reason;
+      EXPECT_NE(fit.reason.find("; excluded: "), std::string::npos) << fit.reason;
       EXPECT_NEAR(parameter_of(fit.surface->surface, "radius"), 1, 0.67 * sigma) << sigma;
     }
 }

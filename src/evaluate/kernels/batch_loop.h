@@ -54,7 +54,7 @@ DARBOUX_FLATTEN [[gnu::noinline]] bool prepare_group(const T* x, T* sine, T* cos
   return good;
 }
 
-// Of a group whose sines nobody needs: the ends of a half turn, the poles, are not good either.
+// For a group whose sines are not needed: the ends of a half turn, the poles, must be excluded too.
 template <Coordinate kind, class T>
 DARBOUX_FLATTEN [[gnu::noinline]] bool in_domain_without_sines(const T* x) {
   using S = Lanes<T, group_size<T> / Register<T>::size>;
@@ -75,8 +75,8 @@ S components_sum(const Vec3<S>& a) {
   return a.x + a.y + a.z;
 }
 
-// Curvatures in which terms have cancelled: those that the surface states, as for single points, which also
-// do what it does not state.
+// Where terms of the curvatures have cancelled, takes those that the surface states; what it does not state
+// is left to the single-point functions.
 template <class X, class Here, class S, class PU, class PV>
 void take_stated(const Here& surface, const PU& u, const PV& v, const ShapeOperator<S>& shape,
                  Curvature<S>& c) {
@@ -169,15 +169,15 @@ Status batch(const Target<T>& p, const Here& surface, const PU& u, const PV& v) 
   return status;
 }
 
-// One group at a time. The last of several is moved back so as to be whole, and so is the last batch of an
-// incomplete group: some points are computed twice, to the same bits.
+// One group at a time. If the last of several is incomplete, it is moved back to be complete, and so is the
+// last batch of an incomplete group: some points are computed twice, with the same bits.
 template <class X, class T, Variant variant>
 DARBOUX_FLATTEN bool kernel(const Work<T>& w) {
   using S = Batch<X, T, variant>;
   constexpr std::size_t W = S::lanes, G = group_size<T>;
   const X& surface = *static_cast<const X*>(w.surface);
   alignas(64) T sine_u[G], cosine_u[G], sine_v[G], cosine_v[G];
-  if (!w.v_is_needed)  // any that is no pole
+  if (!w.v_is_needed)  // any value except a pole
     for (std::size_t i = 0; i < G; ++i) sine_v[i] = T(1), cosine_v[i] = T(0);
   const auto& in_rows = surface_in_rows<order_of<variant>, S>(surface, w.v.step == 0 ? w.v.values : nullptr);
   // Of a curve along v: the surface where it is, the same for all of a row.

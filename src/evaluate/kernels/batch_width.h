@@ -15,10 +15,10 @@ concept LongFormula = requires(const X& surface, const Lanes<T>& x) {
 }
 || detail::HasCurveAlong<X, 0> || detail::HasCurveAlong<X, 1>;
 
-// What goes through the formula at once. Where two registers fill a cache line, both go together, so that the
-// line can be written past the caches from them. That makes kernels slow to compile, so it is not done for
-// four registers or where all attributes are computed; nor for long formulas, as it makes them slow to run:
-// those of splines take 1.5 times as long on AVX2.
+// The points that go through the formula at once. If two registers fill a cache line, both go together, so
+// that the line can be written from them past the caches. That makes kernels slow to compile, so it is not
+// done for four registers or where all attributes are computed; nor for long formulas, which it makes slow to
+// run: those of splines take 1.5 times as long on AVX2.
 template <class X, class T, Variant variant>
 using Batch =
     Lanes<T, sizeof(Register<T>) * 2 == line && variant != Variant::everything && !LongFormula<X, T> ? 2 : 1>;

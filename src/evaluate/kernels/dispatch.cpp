@@ -42,7 +42,7 @@ const Kernels* kernels_of(InstructionSet set) {
   }
 }
 
-// The catalogue's types over T, to their place in it.
+// Maps the catalogue's types over T to their indices in it.
 template <class T>
 const std::map<std::type_index, std::size_t>& places() {
   static const auto map = [] {

@@ -1,4 +1,4 @@
-// The kernels of a surface type on the instruction set asked for.
+// The kernels of a surface type for the requested instruction set.
 #pragma once
 
 #include <typeinfo>

@@ -19,9 +19,9 @@
 namespace darboux::kernels {
 namespace {
 
-// Set where the lanes of a batch disagree about a condition that decides more than a value: the batch is then
+// Set if the lanes of a batch disagree about a condition that decides more than a value: the batch is then
 // left to the single-point functions. This TLS model needs no function call; libraries that are loaded late
-// may use it too for so small a variable.
+// may also use it for such a small variable.
 [[gnu::tls_model("initial-exec")]] thread_local bool diverged = false;
 
 template <class T>
@@ -108,8 +108,8 @@ class LaneBits {
   Registers value_;
 };
 
-/// One number per lane, in N registers: several for long chains of operations, so that the processor has N of
-/// them to work on.
+/// One number per lane, in N registers: several where chains of operations are long, so that the processor
+/// can work on N of them at a time.
 template <class T, std::size_t N = 1>
 class Lanes {
  public:

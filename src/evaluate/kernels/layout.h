@@ -1,5 +1,5 @@
 /// \file layout.h
-/// Stores lanes in the layout asked for: separate arrays, arrays of vectors, rows of structs.
+/// Stores lanes in the requested layout: separate arrays, arrays of vectors, rows of structs.
 #pragma once
 
 #include <array>
@@ -44,7 +44,7 @@ constexpr bool stores_can_pass_caches = true;
 #else
 constexpr bool stores_can_pass_caches = false;
 #endif
-// Worth it where the registers that follow one another fill lines.
+// Only worthwhile if consecutive registers fill whole cache lines.
 template <class T>
 void store_past_caches(T* to, const Vector<T>& x) {
 #if defined(__AVX512F__)
@@ -75,7 +75,7 @@ template <class T, int k, int... j>
 Vector<T> third(const Vector<T>& a, const Vector<T>& b, const Vector<T>& c,
                 std::integer_sequence<int, j...>) {
   constexpr int W = sizeof...(j);
-  // From a and b first; where c belongs, anything.
+  // From a and b first; the places of c are arbitrary.
   const Vector<T> ab = __builtin_shufflevector(a, b,
                                                ((k * W + j) % 3 == 0   ? (k * W + j) / 3
                                                 : (k * W + j) % 3 == 1 ? W + (k * W + j) / 3
@@ -92,7 +92,7 @@ Vector<T> alternate(const Vector<T>& a, const Vector<T>& b, std::integer_sequenc
 template <class T>
 using Sequence = std::make_integer_sequence<int, static_cast<int>(Register<T>::size)>;
 
-// The vectors of registers one after the other, in registers.
+// The vectors from consecutive registers, in registers.
 template <class T>
 std::array<Vector<T>, 1> packed(const Register<T>& x) {
   return {native(x)};
@@ -118,7 +118,7 @@ std::array<Vector<T>, 4> packed(const Register<T>& x, const Register<T>& y, cons
           alternate<T, 0>(ac1, bd1, Sequence<T>{}), alternate<T, 1>(ac1, bd1, Sequence<T>{})};
 }
 
-// Where a batch of points goes: to those of the slots from `at` on.
+// The destination of a batch of points: the slots from `at` on.
 template <class T>
 struct Target {
   const Work<T>& work;
@@ -207,8 +207,8 @@ void store_part(T* to, const Vector<T>& x) {
   (std::make_integer_sequence<int, Q>{});
 }
 
-// Writes the tile's rows to the structs: a register of a point at once where there are as many, then 16
-// bytes.
+// Writes the tile's rows to the structs: a register of a point at a time if it has that many numbers, then 16
+// bytes at a time.
 template <std::size_t points, class T>
 void scatter(const Target<T>& place) {
   const Work<T>& w = place.work;

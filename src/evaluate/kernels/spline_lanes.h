@@ -21,8 +21,8 @@ namespace darboux {
 namespace kernels {
 namespace {
 
-// The `count` numbers, at least a row, from a place times `step` of each lane on: they are read in rows and
-// turned round in registers. Numbers that are stored one by one would wait to be loaded as a register.
+// The `count` numbers, at least a row, that begin at a place times `step` for each lane: they are read in
+// rows and transposed in registers. Numbers stored one by one would delay loading them as a register.
 // \param to number i of all lanes from lanes * i on
 template <int lanes, class T, class Place>
 [[gnu::always_inline]] inline void transposed_numbers(const T* from, const Place& at, int step, int count,
@@ -58,7 +58,7 @@ struct SpanPlace<kernels::Lanes<T, N>> {
   Places at{};
   bool same = true;  // in all lanes
 
-  // At most as many knots are looked at one after the other.
+  // The maximum number of knots for a linear search.
   static constexpr int few = 64;
   template <class Knots>
   static SpanPlace find(const Knots& knots, const S& t) {
@@ -167,8 +167,8 @@ struct SpanPlace<kernels::Lanes<T, N>> {
 namespace darboux::kernels {
 namespace {
 
-// A patch of which a kernel does many points. Where all of them lie at one v, the columns of the net are
-// taken there once, a register of them at a time.
+// A patch of which a kernel evaluates many points. If all of them have the same v, the columns of the net are
+// evaluated there once, a register of them at a time.
 template <int order, class X, class S>
 class PatchInRows {
  public:
@@ -203,7 +203,7 @@ class PatchInRows {
 
   using Span = std::remove_cvref_t<decltype(std::declval<const X&>().span_v(std::declval<const S&>()))>;
 
-  // Loads the columns of all lanes' windows. Returns false where they lie too far apart.
+  // Loads the columns of all lanes' windows. Returns false if these are too far apart.
   bool take_columns(const Span& span_u, int degree) const {
     const auto& at = span_u.first.at;
     int least = at[0], last = at[0];
@@ -222,7 +222,7 @@ class PatchInRows {
     }
     return true;
   }
-  // A register of columns from end_ on, each lane a window of one.
+  // Computes the register of columns that starts at end_, each lane with a window of one.
   [[gnu::noinline]] void take_register(Span span_u) const {
     auto net = patch_.net(span_u, span_v_);
     const int columns = static_cast<int>(net.net_points.size()) / net.row;
@@ -295,7 +295,7 @@ class PatchInRows {
   mutable std::array<Table, order + 1> f_;
 };
 
-// A surface of which a kernel does many points. \param v of all of them, or null
+// A surface of which a kernel evaluates many points. \param v of all of them, or null
 template <int order, class S, class X, class T>
 decltype(auto) surface_in_rows(const X& surface, [[maybe_unused]] const T* v) {
   if constexpr (detail::HasNet<X>)

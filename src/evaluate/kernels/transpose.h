@@ -46,7 +46,7 @@ template <int width, class R, int... k>
   b = __builtin_shufflevector(a, b, ((k & width) != 0 ? n + k : k + width)...);
   a = upper;
 }
-// Rows become columns. \tparam width of the blocks to begin with: half of a row
+// Rows become columns. \tparam width of the first blocks: half a row
 template <int width, class R, std::size_t n>
 [[gnu::always_inline]] inline void transpose(std::array<R, n>& rows) {
 #pragma GCC unroll 16

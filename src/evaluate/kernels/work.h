@@ -1,7 +1,7 @@
 /// \file work.h
-/// Between evaluate.cpp, which knows requests, layouts and threads, and the kernels, which are compiled once
-/// per instruction set and know formulas. Plain data only: nothing here may be compiled differently in the
-/// two.
+/// The interface between evaluate.cpp, which knows requests, layouts and threads, and the kernels, which are
+/// compiled once per instruction set and know formulas. Plain data only: nothing here may be compiled
+/// differently in the two.
 #pragma once
 
 #include <array>
@@ -12,9 +12,9 @@
 
 namespace darboux::kernels {
 
-/// Where the components of one attribute go.
+/// The destination of the components of one attribute.
 enum class Arrangement : std::uint8_t {
-  absent,    ///< nobody asked for it
+  absent,    ///< not requested
   separate,  ///< one array per component
   packed,    ///< one array of vectors
   tiled,     ///< rows of the tile, from which the structs are written
@@ -38,8 +38,8 @@ inline constexpr std::size_t line = 64;  ///< bytes that go to memory at once
 /// A line of numbers; no kernel takes more points at once.
 template <class T>
 inline constexpr std::size_t batch_size = line / sizeof(T);
-/// Points whose sines are taken at once, before their formulas run: few, so that the processor works on both.
-/// A group with a coordinate that is not finite or outside the domain goes point by point.
+/// Points whose sines are computed at once, before their formulas run: few, so that the processor can work on
+/// both. A group with a coordinate that is not finite or outside the domain is evaluated point by point.
 template <class T>
 inline constexpr std::size_t group_size = 2 * batch_size<T>;
 
@@ -58,13 +58,13 @@ struct Source {
   }
 };
 
-/// Some points of a surface, and where their attributes go.
+/// Some points of a surface, and the destinations of their attributes.
 template <class T>
 struct Work {
   const void* surface = nullptr;  ///< the surface type over T that the kernel was made for
   Source<T> u, v;
-  bool in_domain = false;   ///< nobody needs to look; both coordinates are prepared
-  bool v_is_needed = true;  ///< false: everything asked for depends on u alone
+  bool in_domain = false;   ///< known to be, no check needed; both coordinates are prepared
+  bool v_is_needed = true;  ///< false: everything requested depends on u alone
   std::size_t count = 0;    ///< of points, at least batch_size
   std::array<Slot<T>, attribute_count> slots{};
   T* tile = nullptr;  ///< batch_size numbers per row, aligned to lines
@@ -87,7 +87,7 @@ struct Kernel {
   bool by_rows = false;                   ///< whether points of one v are worth a call of their own
 };
 
-/// What is compiled of a surface: by what may be asked for.
+/// The kernels compiled for a surface: by the attributes that may be requested.
 enum class Variant : std::uint8_t {
   frames,      ///< tangent, bitangent, normal, handedness, tangent4
   first,       ///< those, position, dpdu, dpdv
@@ -106,7 +106,7 @@ struct SurfaceKernels {
   std::array<Kernel<float>, 3> in_float;
 };
 
-/// Of one instruction set.
+/// The kernels of one instruction set.
 struct Kernels {
   std::array<Prepare<double>, 4> prepare_double;  ///< by Coordinate
   std::array<Prepare<float>, 4> prepare_float;
@@ -114,7 +114,7 @@ struct Kernels {
   bool pass_caches;                                          ///< whether stream_lines can
   /// Copies whole lines past the caches; both addresses are aligned to them.
   void (*stream_lines)(char* to, const char* from, std::size_t lines);
-  /// Orders what was streamed before what this thread writes next.
+  /// Orders streamed data before subsequent writes of this thread.
   void (*fence)();
 };
 

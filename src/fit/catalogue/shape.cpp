@@ -52,7 +52,7 @@ std::vector<bool> lengths_of(const AnySurface& surface) {
         error += norm(sum - p);
         size += norm(p);
       }
-    // A parameter that is zero may count or not; sets are tried from the fullest on, so it counts.
+    // A zero parameter may or may not count; the fullest sets are tried first, so it counts.
     if (error <= 1e-9 * size) {
       std::vector<bool> result;
       for (std::size_t k = 0; k < n; ++k) result.push_back(set >> k & 1U);

@@ -64,11 +64,11 @@ struct FootPoints {
 // The feet of all points, followed from those of a shape nearby or, without these, searched globally.
 FootPoints feet_of(const Shape& shape, const Positions& points, const std::vector<Vec2<double>>& starts);
 
-// In units of the unknowns, of the distance over the size.
+// Derivatives of the distance over the size, in units of the unknowns.
 using Row = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 6 + most_parameters, 1>;
 
-// Derivatives of the distance of a point: -n · (velocity of the foot's point), the foot's own way being
-// orthogonal to n.
+// Derivatives of the distance of a point: -n · (velocity of the surface at the foot). The foot's own motion
+// is orthogonal to n.
 class DistanceRow {
  public:
   // At the shape moved by δ.
@@ -83,9 +83,9 @@ class DistanceRow {
   double size_;
 };
 
-// What the points do not tell: directions along which no weighted distance changes. Their squared share of
-// the best known direction is below this; rounding leaves some 1e-30, and a ratio of 1e-6 of standard
-// deviations is still told.
+// Directions along which no weighted distance changes are not identifiable: their squared share of the best
+// known direction is below this. Rounding leaves some 1e-30; a ratio of 1e-6 of standard deviations is still
+// identifiable.
 inline constexpr double unidentifiable_below = 1e-12;
 
 // Normal equations.

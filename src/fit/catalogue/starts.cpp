@@ -72,8 +72,8 @@ std::vector<Eigen::Matrix3d> axis_rotations() {
   return result;
 }
 
-// How the principal axes of a part may lie to those of the points: along them, and turned where the spread is
-// round.
+// How the principal axes of a part may be oriented relative to those of the points: aligned, and rotated
+// where the spread is nearly circular.
 std::vector<Eigen::Matrix3d> turns_between(const Principal& of_points, const Principal& of_part) {
   const std::vector<Eigen::Matrix3d> along = axis_rotations();
   std::vector<Eigen::Matrix3d> result = along;

@@ -1,5 +1,4 @@
-// Where the fit of any kind begins: parts of the default surface laid onto the points by their principal
-// axes.
+// Starts for the fit of any kind: parts of the default surface placed on the points by their principal axes.
 #pragma once
 
 #include <vector>

@@ -12,8 +12,8 @@
 namespace darboux::fit {
 namespace {
 
-// Of the mean of `dimensions` squares of normal numbers over their estimated variance: F, and chi squared
-// over its dimensions where the variance is known.
+// For the mean of `dimensions` squares of normal numbers over their estimated variance: F, or chi squared
+// over its dimensions if the variance is known.
 double quantile_of_mean_square(double dimensions, double degrees_of_freedom, double level) {
   // Beyond, F equals that limit to six digits, and computing its own quantile is slow.
   if (degrees_of_freedom > 1e7)

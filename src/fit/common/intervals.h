@@ -33,14 +33,14 @@ class Intervals {
   double degrees_of_freedom_;
 };
 
-// The factor by which the noise may exceed its estimate with so many degrees of freedom, at 95 % confidence.
-// The estimate is the root of: the distances' sum of squares over the degrees of freedom.
+// The factor by which the noise may exceed its estimate, at 95 % confidence. The estimate is the root of: the
+// distances' sum of squares over the degrees of freedom.
 double greatest_sigma_ratio(double degrees_of_freedom);
 
 // The quantile of Student's t.
 double students_t(double level, double degrees_of_freedom);
 
-// The probability that noise makes one estimate of a variance so many times another, with these degrees of
+// The probability that noise makes the ratio of two estimates of a variance this large, with these degrees of
 // freedom.
 double chance_of_ratio(double ratio, double freedom_of_one, double freedom_of_other);
 

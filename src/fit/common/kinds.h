@@ -1,4 +1,4 @@
-// What every fit needs to know about kinds of surface.
+// Properties of kinds of surface that every fit needs.
 #pragma once
 
 #include <cstddef>

@@ -19,8 +19,8 @@ constexpr double least_correlation = 0.25, chance_of_groups = 1e-6, chance_of_po
 constexpr std::size_t enough_points = 256;                        // for polynomials
 constexpr int highest_degree = 6, highest_degree_of_vectors = 4;  // these have three times the columns
 
-// In how many directions the errors scatter: 1 for distances, 3 for vectors with equal noise in all
-// directions; in general the degrees of freedom of a sum of squares [Satterthwaite1946].
+// The number of directions in which the errors scatter: 1 for distances, 3 for vectors with equal noise in
+// all directions; in general the degrees of freedom of a sum of squares [Satterthwaite1946].
 double directions(const Eigen::MatrixXd& errors) {
   const Eigen::MatrixXd spread = errors * errors.transpose();
   return std::pow(spread.trace(), 2) / spread.squaredNorm();

@@ -15,10 +15,10 @@
 
 namespace darboux::fit {
 
-// The points centred by their medians and scaled by a power of two to a median distance of about 1, so no
-// outlier, however far, costs digits. One column per place: several points at one place tell no more than
-// one. Left out are points that are not finite, and those beyond a million median distances, which lie on no
-// surface that could be recognised.
+// The points centred by their medians and scaled by a power of two to a median distance of about 1, so that
+// no outlier, however far, costs digits. One column per place: several points at one place carry no more
+// information than one. Points that are not finite are dropped, and so are those beyond a million median
+// distances, which lie on no surface that could be recognised.
 //
 // With uvs each point has a column, as one place may have several uvs; the unit is exactly twice the median
 // distance, so that likelihoods, which are for positions in that unit, are the same in any unit of the input.
@@ -74,7 +74,7 @@ struct NormalisedPoints {
   void spread(const std::vector<bool>& columns, std::vector<bool>& input) const;
 };
 
-// Whether a stored uv is usable: beyond, squares leave the range of numbers.
+// Whether a stored uv is usable: squares of larger ones would overflow.
 inline bool usable_uv(const Vec2<double>& uv) {
   return std::fabs(uv.x) <= 1e100 && std::fabs(uv.y) <= 1e100;
 }

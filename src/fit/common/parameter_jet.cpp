@@ -63,7 +63,7 @@ template <class F, class... Surfaces>
 void visit(const AnySurface& surface, SurfaceList<Surfaces...>, F f) {
   const auto is = [&]<class X>(const X*) {
     if constexpr (differentiable<X>) {
-      // The types of the catalogue are told apart by the addresses of their infos; only the match is cast.
+      // The types of the catalogue are distinguished by the addresses of their infos; only the match is cast.
       if (&surface.info() != &X::info) return false;
       const X* held = surface.get<X>();
       if (held) f(*held);

@@ -61,7 +61,7 @@ struct Solved {
   double trust = wide_trust;  // radius at the end
 };
 
-// The score phase has no trust region: it is near the root, and damping would be felt in long valleys.
+// The score phase has no trust region: it is near the root, and damping would slow it in long valleys.
 Solved solve(BatchedCost& cost, LocalModel& model, int most_iterations, double parameter_tolerance,
              double function_tolerance, double trust = wide_trust);
 

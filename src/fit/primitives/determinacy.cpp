@@ -184,7 +184,7 @@ double most_deviations(const PrimitiveFit& f) {
 }
 
 double least_length(const PrimitiveFit& f, std::size_t k) {
-  // Of 1 / length the standard deviation is deviation / length^2.
+  // The standard deviation of 1 / length is deviation / length^2.
   const double length = f.surface.lengths[k];
   return length / (1 + most_deviations(f) * deviation(f, k) / length);
 }

@@ -14,7 +14,7 @@ struct Determinacy {
     good,
     unsure,    // the points may still be of this kind: not converged, or not all identifiable
     unproven,  // too few points, or too much noise, to exclude chance
-    none       // what was found explains nothing
+    none       // the surface found explains nothing
   };
   Kind kind = Kind::good;
   std::string why{};  // text to follow the name of the kind: "an ellipsoid " + why

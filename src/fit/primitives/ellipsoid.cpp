@@ -36,7 +36,7 @@ class EllipsoidModel {
     const Parts r = parts(p);
     return r.t * r.length;
   }
-  // Of first order near the surface, in a tenth of the time.
+  // Correct to first order near the surface, in a tenth of the time.
   double rough_distance(const Vector3d& p) const {
     const Vector3d u = (p - centre_).cwiseQuotient(axes_);
     const double length = u.norm();

@@ -346,7 +346,7 @@ std::optional<PointFit> fit_beside_plane(const PointCloud& points, const Normali
   for (std::size_t i = 0; i < plane.is_inlier.size(); ++i) common += plane.is_inlier[i] && all.is_inlier[i];
   if (static_cast<double>(common) < most * static_cast<double>(all.inliers)) return std::nullopt;
   auto [beside, scale, are_noise] = fit_of_others(points, plane.is_inlier, quiet, only);
-  // A few points beside a plane are its outliers.
+  // A few points off a plane are its outliers.
   constexpr double few = 0.05;
   const auto others = static_cast<double>(normal.finite - plane.inliers);
   if (!beside.usable || others < few * static_cast<double>(normal.finite) ||
@@ -357,7 +357,7 @@ std::optional<PointFit> fit_beside_plane(const PointCloud& points, const Normali
   const bool is_exact = plane.sigma <= normal.scale * normal.stored_rounding();
   if (!are_noise || (!is_exact && beside.sigma > noisier * plane.sigma)) return std::nullopt;
   beside.iterations += all.iterations + plane.iterations;
-  beside.reason += "; a plane of " + std::to_string(plane.inliers) + " points beside it is left out";
+  beside.reason += "; excluded: a plane of " + std::to_string(plane.inliers) + " points";
   return beside;
 }
 
@@ -376,7 +376,7 @@ bool is_layer_of_steps(const PointCloud& points, const NormalisedPoints& normal,
   return static_cast<double>(near) >= fewest * static_cast<double>(fit.inliers);
 }
 
-// The fit of all points, or of those beside a clump that is not of their surface: docs/theory/fit.md.
+// The fit of all points, or of those outside a clump that is not on their surface: docs/theory/fit.md.
 class ClumpedFit {
  public:
   ClumpedFit(const PointCloud& points, NormalisedPoints normal, std::vector<bool> clump,
@@ -447,7 +447,7 @@ class ClumpedFit {
   }
 
   static PointFit left_out(PointFit beside, const std::string& clump) {
-    beside.reason += "; " + clump + " beside it is left out";
+    beside.reason += "; excluded: " + clump;
     return beside;
   }
 

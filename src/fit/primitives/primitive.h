@@ -22,7 +22,7 @@ namespace darboux::fit {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-// A primitive as people describe it. z of `axes` is the axis; a primitive may define its direction.
+// A primitive by its geometric parameters. z of `axes` is the axis; a primitive may define its direction.
 struct GeometricParameters {
   Vector3d centre = Vector3d::Zero();
   Matrix3d axes = Matrix3d::Identity();
@@ -50,7 +50,7 @@ struct NormalEquations {
 // last digits, where differences of the likelihood would drown in rounding.
 enum class Phase { robust, score };
 
-// What the sums over the points need from the estimate.
+// The part of the estimate that the sums over the points need.
 struct Weighting {
   Phase phase;
   const Mixture& mixture;
@@ -132,8 +132,8 @@ struct Primitive {
   // Further starts, by equations without normals: neighbours in a grid may lie on one curve and give no
   // normal.
   std::vector<GeometricParameters> (*starts_by_equation)(const Eigen::Matrix3Xd& sample) = nullptr;
-  // Surfaces from the scored points without normals, for many outliers: normals tell little about a tube that
-  // is thin compared with the noise.
+  // Surfaces from the scored points without normals, for many outliers: normals carry little information
+  // about a tube that is thin compared with the noise.
   std::vector<GeometricParameters> (*starts_among_outliers)(const Eigen::Matrix3Xd& points,
                                                             std::mt19937_64& random) = nullptr;
   // The local model at the surface point nearest to `at`; an inverse of geometric(). Not finite where there
@@ -147,7 +147,7 @@ struct Primitive {
   // The (u, v) of the point nearest to p; none for other surfaces.
   std::optional<Vec2<double>> (*foot)(const AnySurface&, const Vec3<double>& p);
 
-  // Why it cannot be told from its limits, as a text to follow "is"; empty if it can.
+  // Why it cannot be distinguished from its limits, as a text to follow "is"; empty if it can.
   std::string_view (*at_limit)(const GeometricParameters&, double deviation_of_first) = nullptr;
   // Surfaces of its kind that agree with another surface about one point to second order; each may be a
   // separate maximum.

@@ -20,8 +20,7 @@ namespace {
 
 using Eigen::Matrix3Xd;
 
-// The rotation vector of one degree of freedom from both sides of it, as far as the primitive has a
-// direction.
+// The rotation vector from the frame before to the frame after, as far as the primitive has an orientation.
 Vector3d turn_between(Orientation orientation, const Vector3d& axis, const Matrix3d& before,
                       const Matrix3d& after) {
   switch (orientation) {
@@ -69,7 +68,7 @@ class Refinement {
     fit.surface = primitive_.geometric(model_);
     fit.sigma = mixture_.sigma;
     fit.sigma_known = mixture_.sigma_known;
-    // Unmeasurable noise does not dither.
+    // Noise too small to be measured does not dither.
     fit.rounding = mixture_.sigma > mixture_.least_sigma ? problem_.rounding : mixture_.least_sigma;
     fit.outliers = mixture_.outliers;
     fit.doubles_itself = doubles_itself(primitive_, fit.surface, problem_.cloud, fit.sigma);

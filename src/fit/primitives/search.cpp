@@ -22,8 +22,8 @@ using Eigen::Matrix3Xd;
 constexpr Eigen::Index scored_points = 600, refined_points = 700;
 constexpr int refined_starts = 4, most_rounds = 8;
 
-// In log likelihood, of the part of the points: surfaces of one kind that are so much alike are all refined,
-// up to so many.
+// Surfaces of one kind whose log likelihoods over some of the points differ by less than this are all
+// refined, up to the following number.
 constexpr double alike = 12;
 constexpr std::size_t most_alike = 3;
 

@@ -31,7 +31,7 @@ double deviance(const PrimitiveFit& f, const PrimitiveFit& footing) {
   return -2 * likelihood;
 }
 
-// What an unknown costs in the Bayesian information criterion [Schwarz1978].
+// The penalty per unknown in the Bayesian information criterion [Schwarz1978].
 double price(const PrimitiveFit& footing) {
   return std::log(std::max(
       1.0, static_cast<double>(std::count(footing.in_support.begin(), footing.in_support.end(), 1))));
@@ -44,8 +44,8 @@ std::pair<double, double> advantage(const PrimitiveFit& a, const PrimitiveFit& b
 }
 
 // Whether the points that both take for inliers support `a`, or it has a tenth more inliers. A surface that
-// bends towards outliers beside a strip of points takes a few more of them for inliers. That makes it
-// likelier, but not nearer to the other points.
+// bends towards outliers next to a strip of points gains a few of them as inliers. That makes it likelier,
+// but not nearer to the other points.
 bool is_told_by_inliers(const PrimitiveFit& a, const PrimitiveFit& b) {
   constexpr double many_more = 0.1;
   const std::vector<bool> in_a = inliers_of(a), in_b = inliers_of(b);
@@ -144,7 +144,7 @@ const Nesting* nesting(const PrimitiveFit& inner, const PrimitiveFit& outer) {
 // By how much a kind must be better than its limit. Outliers may lie on a surface that joins smoothly, such
 // as the ends of a capsule: those nearest to the edge bend the fitted surface towards them.
 double clear_of_limit(const PrimitiveFit& f) {
-  constexpr double part = 0.1;  // of the noise's square, by each of them: five times what capsules showed
+  constexpr double part = 0.1;  // of the squared noise, per outlier: five times what capsules showed
   return std::max(margin,
                   part * (static_cast<double>(f.error.size()) - static_cast<double>(count_inliers(f))));
 }

@@ -155,9 +155,9 @@ std::vector<Eigen::Index> keep_dense_cells(const Primitive& primitive, const Eig
   }
   std::sort(densities.begin(), densities.end());
   const double typical = densities.empty() ? 0 : weighted_quantile(densities, 0.5 * total);
-  // Sparse points are no outliers where hardly any lie beside the band of the noise: outliers would lie there
-  // too, as densely. Three more than were seen may be expected. All of that is within the points' size, which
-  // is 1.
+  // Sparse points are not outliers if hardly any lie just outside the noise band: outliers would be as dense
+  // there. Three more than were found may be expected. All lengths are relative to the size of the points,
+  // which is 1.
   const auto is_clean = [&](std::size_t c) {
     constexpr double few = 0.1, band = 3, beyond = near_deviations - band;
     return near_deviations * sigma < 1 && (beside[c] + 3) * band / beyond < few * within[c];

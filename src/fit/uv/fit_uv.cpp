@@ -33,8 +33,8 @@ bool is_case_of(const UvKind& kind, const UvKind& other) {
 // Numbers of points used to choose the start, and to choose kind and convention.
 constexpr std::size_t start_points = 256, trial_points = 1024;
 
-// Points beyond so many times the typical distance from the middle, of positions or of uvs, are not used for
-// starts.
+// Points farther from the middle than this many times the typical distance, of positions or of uvs, are not
+// used for starts.
 constexpr double far = 20;
 
 // Differences of log likelihood, and of the information criterion, that decide. 5 means odds of 148 to 1.
@@ -87,7 +87,7 @@ std::vector<bool> near_the_middle(const std::vector<Vec2<double>>& uvs) {
   return result;
 }
 
-// Whether all of them lie on one line, but for rounding.
+// Whether all of them are collinear up to rounding.
 bool on_a_line(const fit::NormalisedPoints& points) {
   const auto n = static_cast<double>(points.count());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();

@@ -21,7 +21,7 @@ namespace darboux {
 using Affine = std::array<double, 6>;
 inline constexpr Affine identity_map{1, 0, 0, 1, 0, 0};
 
-/// What is estimated. (u, v) of the surface = affine(convention(stored u, v)).
+/// The unknowns. (u, v) of the surface = affine(convention(stored u, v)).
 struct UvState {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
@@ -30,7 +30,7 @@ struct UvState {
 };
 
 /// Weighted normal equations: cost, its gradient and the Gauss-Newton matrix with respect to the rotation
-/// vector in the body's axes, the translation, then what is free of parameters and affine map.
+/// vector in the body's axes, the translation, then the free parameters and entries of the affine map.
 struct UvSums {
   double cost = 0;
   Eigen::VectorXd gradient;
@@ -38,11 +38,10 @@ struct UvSums {
 };
 
 /// Covariance of an estimate at the noise of its normal equations: rotation vector in the body's axes,
-/// translation, all parameters, the affine map. What is held, or at its bound, has none.
+/// translation, all parameters, the affine map. Zero for what is held or at its bound.
 struct UvSpread {
   Eigen::MatrixXd covariance;
-  std::string
-      undetermined{};  ///< what the points do not tell; the covariance is zero then. Empty: they tell all
+  std::string undetermined{};  ///< what the points do not determine; the covariance is zero then; else empty
 };
 
 /// How a fit ended.
@@ -64,7 +63,7 @@ class UvModel {
   bool placement_held = false;
   std::vector<int> free_affine{};  ///< entries of the affine map that are estimated
 
-  /// Columns of the sums: 6 and what is free.
+  /// Columns of the sums: 6 plus the free unknowns.
   int columns() const { return 6 + static_cast<int>(free_parameters().size() + free_affine.size()); }
   std::vector<int> free_parameters() const;
   /// Numbers that are estimated.
@@ -77,37 +76,37 @@ class UvModel {
               std::vector<double>* squares = nullptr) const;
   std::vector<double> squares(const UvState& state) const;
 
-  /// From each point to the surface at its uv, and that place of the surface, in the body's axes.
+  /// The vectors from each point to the surface at its uv, and the surface points, in the body's axes.
   struct Residuals {
     Eigen::Matrix3Xd errors, places;
   };
   Residuals residuals(const UvState& state) const;
 
-  /// Jacobian of the positions of some points, in the body's axes; for questions of rank.
+  /// Jacobian of the positions of some points, in the body's axes, to test its rank.
   Eigen::MatrixXd jacobian(const UvState& state, std::size_t most) const;
 
-  /// Ceres to its convergence on the mixture as it is, or to so many steps.
+  /// Runs Ceres to convergence with the mixture held, or for a number of steps.
   Solved solve(UvState& state, const fit::Mixture& mixture, double tolerance, int most_steps = 50) const;
 
-  /// Newton steps on everything together to the last digits, from a converged state.
+  /// Newton steps in all unknowns together, to full precision, from a converged state.
   void polish(UvState& state, fit::MixtureInVolume& mixture, int most) const;
 
-  /// Solve and update the mixture in turn until it stays.
+  /// Alternates between solving and updating the mixture until it no longer changes.
   Solved maximise(UvState& state, fit::MixtureInVolume& mixture) const;
 
   UvConvention whole_convention(const UvState& state) const;
 
   UvSpread spread(const UvState& state, const UvSums& sums) const;
 
-  /// A covariance of spread()'s as the world has it, about `centre` (here still in the points' units).
+  /// A covariance from spread() in world axes, about `centre` (here still in the points' units).
   SurfaceUncertainty uncertainty(const UvState& state, const Eigen::MatrixXd& covariance,
                                  const Eigen::Vector3d& centre) const;
 
  private:
   struct Rows;
   void fill(const UvState& state, std::size_t first, std::size_t count, bool derivatives, Rows& to) const;
-  // Calls each(first, count, rows) with the residuals, and derivatives where they are asked for, of some
-  // points at a time.
+  // Calls each(first, count, rows) with the residuals of some points at a time, and with their derivatives if
+  // requested.
   template <class Each>
   void for_each_block(const UvState& state, bool derivatives, Each each) const;
 };
@@ -115,7 +114,7 @@ class UvModel {
 /// Posterior probability that a point at this squared distance is an inlier.
 double inlier_probability(const fit::Mixture& mixture, double square);
 
-/// Of the points under the mixture, in their units.
+/// The log likelihood of the points under the mixture, in their units.
 double log_likelihood(const fit::MixtureInVolume& mixture, const std::vector<double>& squares);
 
 /// The mixture of greatest likelihood for these squared distances (expectation-maximisation), its volume a

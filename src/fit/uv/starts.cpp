@@ -355,8 +355,8 @@ class AffineSearch {
                                                    : std::numeric_limits<double>::infinity();
   }
 
-  // Keeps the nearest candidates. Among those that are exact up to float rounding, as many offsets are if
-  // linear unknowns absorb them, candidates in the surface's domain come first.
+  // Keeps the nearest candidates. Among those that are exact up to float rounding, such as many offsets that
+  // linear unknowns absorb, candidates in the surface's domain come first.
   void keep_nearest(std::size_t most) {
     constexpr double exact = 1e-6;
     std::stable_sort(candidates_.begin(), candidates_.end(), [](const Candidate& a, const Candidate& b) {

@@ -9,7 +9,7 @@
 
 namespace darboux {
 
-/// What the user holds, in the units and from the centre of the points.
+/// Values that the user holds, in the units of the points and relative to their centre.
 struct UvHeld {
   std::vector<std::optional<double>> parameters;  ///< an entry each, or none at all
   std::optional<Eigen::Isometry3d> placement;
@@ -32,7 +32,7 @@ struct ConventionStarts {
       mirrored;  ///< states for the points' image under x -> -x, an improper motion; robust ones only
 };
 
-/// \param robust reweighted so that less than half of the points may lie anywhere
+/// \param robust reweighted, so that somewhat less than half of the points may be arbitrary outliers
 ConventionStarts convention_starts(const UvKind& kind, const fit::NormalisedPoints& points,
                                    const UvHeld& held, bool robust);
 
@@ -40,12 +40,12 @@ ConventionStarts convention_starts(const UvKind& kind, const fit::NormalisedPoin
 double outside_of_domain(const UvKind& kind, const UvConvention& map, std::span<const Vec2<double>> stored);
 
 /// The best starts with an affine map after a convention, best first.
-/// \param sheared slopes Δu/Δv of stored uvs along which v of the surface may run, beside those that are
-/// tried anyway
+/// \param sheared slopes Δu/Δv of stored uvs along which v of the surface may run, in addition to those
+/// that are always tried
 std::vector<UvStart> affine_starts(const UvKind& kind, const fit::NormalisedPoints& points,
                                    const UvHeld& held, bool robust, std::span<const double> sheared = {});
 
-/// The entries of the affine map that the points can tell apart from placement and parameters; the others
+/// The entries of the affine map that the points can distinguish from placement and parameters; the others
 /// stay those of the identity, the offset first.
 std::vector<int> observable_affine(UvModel model);
 

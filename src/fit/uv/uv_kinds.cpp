@@ -135,7 +135,8 @@ UvKind rigid_kind(const AnySurface& surface) {
       block.position.segment<3>(row) = *parameters * p;
       if (block.by_parameter.rows() > 0) block.by_parameter.col(0).segment<3>(row) = p;
       if (block.by_uv.rows() == 0) continue;
-      // If partials are infinite, as on a superellipsoid's edges, a point tells nothing about the uv map.
+      // If partials are infinite, as on a superellipsoid's edges, a point gives no information about the uv
+      // map.
       for (const auto& [column, partial] : {std::pair{0, jet.dpdu}, {1, jet.dpdv}})
         block.by_uv.block<3, 1>(row, column) = detail::finite(partial)
                                                    ? Eigen::Vector3d(*parameters * to_eigen(partial))

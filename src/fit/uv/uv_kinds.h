@@ -13,8 +13,8 @@
 
 namespace darboux {
 
-/// Values at some uvs; point i has the rows 3i, 3i + 1, 3i + 2. Derivatives have no rows where they are not
-/// asked for.
+/// Values at some uvs; point i has the rows 3i, 3i + 1, 3i + 2. Derivatives that are not requested have no
+/// rows.
 struct UvBlock {
   Eigen::VectorXd position;
   Eigen::MatrixXd by_parameter;  ///< one column per parameter
@@ -27,15 +27,16 @@ struct UvKind {
   std::string_view name;
   std::vector<ParameterValue> parameters;
   std::vector<bool> length;  ///< whether a parameter is one; the others are numbers that give the shape
-  /// Values of all parameters at which the linear start takes ∂P/∂p_k; where P is linear in the lengths
-  /// only those of the shape matter, and one is enough where there are none.
+  /// Values of all parameters at which the linear start evaluates ∂P/∂p_k. Where P is linear in the
+  /// lengths, only the shape parameters matter; without any, one entry is enough.
   std::vector<std::vector<double>> starts;
   /// Position and derivatives of the surface with these parameters at each uv. Blocks have room for all of
   /// them.
   std::function<void(const double* parameters, std::span<const Vec2<double>> uvs, UvBlock& block)> evaluate;
 
-  /// For each parameter the length to which the linear start ties it in the ratio of `starts`, itself where
-  /// to none: lengths that are linear only together, as height and semi_axis_z of the one-sheet hyperboloid.
+  /// For each parameter, the length to which the linear start ties it, in the ratio of `starts`; itself if it
+  /// is not tied. Needed where P is linear only in several lengths together, such as height and semi_axis_z
+  /// of the one-sheet hyperboloid.
   std::vector<int> tied_to{};
   std::array<Coordinate, 2> coordinates{};  ///< what u and v are
   std::vector<bool> may_be_zero{};          ///< whether the surface is of this kind with 0 for a parameter
@@ -44,7 +45,7 @@ struct UvKind {
   /// Whether positions are linear in the parameters: all are lengths, and none is tied.
   bool linear() const;
   /// Whether the k-th parameter, over the size of the points, has shrunk the surface to a line, a point or
-  /// another kind. \param rounding of the points, over their size: no length below is one
+  /// another kind. \param rounding of the points, over their size: any length below counts as 0
   bool vanishes(int k, double value, double rounding = 0) const;
 };
 
@@ -54,10 +55,10 @@ const std::vector<UvKind>& uv_kinds();
 /// The names of all of them, "plane, disk, ...", for messages.
 std::string uv_kind_names();
 
-/// A surface that is known but for its place: one length, by which all of it is multiplied.
+/// A known surface of unknown placement and scale: its one length multiplies all of it.
 UvKind rigid_kind(const AnySurface& surface);
 
-/// The kind of that name, null where it is not among them.
+/// The kind of that name; null if there is none.
 const UvKind* find_uv_kind(std::string_view name);
 
 }  // namespace darboux

@@ -1,4 +1,4 @@
-// Triangles on their own, and averages over those at a vertex.
+// Single triangles, and averages over those at a vertex.
 #include <darboux/frame.h>
 
 #include "corner.h"

@@ -1,5 +1,5 @@
 /// \file corner.h
-/// What the methods need of a triangle, and of a frame they found.
+/// Data that the methods need of a triangle, and of a frame that they found.
 #pragma once
 
 #include <array>
@@ -33,13 +33,13 @@ Vec3<double> face_normal(const std::array<Vec3<double>, 3>& p);
 // An arbitrary unit direction perpendicular to the unit vector n, made from the coordinate axis farthest from
 // n.
 Vec3<double> any_perpendicular(const Vec3<double>& n);
-// The frame where no triangle gives one: an arbitrary direction perpendicular to n.
+// The frame if no triangle gives one: an arbitrary direction perpendicular to n.
 CornerFrame fallback_frame(const Vec3<double>& n, double sign);
-// The frame a method found, or the fallback if vanishing data leave none.
+// The frame that a method found, or the fallback if it is not finite or vanishes.
 CornerFrame frame_or_fallback(const Vec3<double>& t, const Vec3<double>& b, const Vec3<double>& n,
                               double sign);
 
-// Counts the triangle if it is degenerate. Counts: MeshFrames or MikktspaceCounts.
+// Counts the triangle if it is degenerate. Counts is MeshFrames or MikktspaceCounts.
 template <class Counts>
 void count_degenerate(const std::array<Vec3<double>, 3>& p, const std::array<Vec2<double>, 3>& uv,
                       Counts& result) {

@@ -24,7 +24,7 @@ std::optional<TangentPair> fragment_gradients(const std::array<Vec3<double>, 3>&
 
 namespace {
 
-// The direction of what remains of unit vectors; zero if that is rounding only, as in gram_schmidt.
+// The direction of the remainder of unit vectors; zero if only rounding remains, as in gram_schmidt.
 Vec3<double> direction(const Vec3<double>& rest) {
   constexpr double nothing_below = 16 * 0x1p-53;
   return norm(rest) > nothing_below ? unit(rest) : Vec3<double>{};
@@ -68,7 +68,7 @@ CornerFrame fragment_frame(FragmentForm form, const TriangleFrames& triangle,
 
 namespace {
 
-// A frame of its own for every corner.
+// A separate frame for every corner.
 MeshFrames at_corners(const Mesh& mesh, FragmentForm form) {
   MeshFrames result;
   for (const Triangle& triangle : mesh.triangles) {

@@ -157,7 +157,7 @@ const FrameMethod& find_frame_method(std::string_view name) {
     if (method.name == name) return method;
     known += (known.empty() ? "" : ", ") + std::string(method.name);
   }
-  throw ParameterError("method", "unknown method '" + std::string(name) + "', known are " + known);
+  throw ParameterError("method", expected_got("one of " + known, "'" + std::string(name) + "'"));
 }
 
 MeshFrames mesh_frames(const Mesh& mesh, const FrameMethod& method, int threads) {

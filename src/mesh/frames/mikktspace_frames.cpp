@@ -21,8 +21,8 @@ namespace {
 
 using mikk::Buffer;
 
-// All numbers in single precision. Numbers below its range are scaled by a power of two, as only directions
-// matter.
+// All numbers in single precision. Numbers below its range are scaled by a power of two, since only
+// directions matter.
 template <class Vector>
 std::vector<float> to_floats(const std::vector<Vector>& values, const char* name, bool any_scale) {
   constexpr std::size_t components = sizeof(Vector) / sizeof(double);
@@ -47,8 +47,9 @@ std::vector<float> to_floats(const std::vector<Vector>& values, const char* name
   return result;
 }
 
-// Where squares underflow to zero, MikkTSpace's t and b are zero, of any length or not finite. Otherwise they
-// are unit to 4.5 roundings: of a sum of squares, halved by the root, the root, the division, the product.
+// Where squares underflow to zero, MikkTSpace's t and b are zero, of any length, or not finite. Otherwise
+// they have unit length up to 4.5 roundings: of a sum of squares, halved by the root, the root, the division,
+// the product.
 Vec3<double> unit_or_zero(const float (&x)[3]) {
   const Vec3<double> a{x[0], x[1], x[2]};
   return std::fabs(norm(a) - 1) < 3e-7 ? a : Vec3<double>{};
@@ -58,7 +59,8 @@ Vec3<double> unit_or_zero(const float (&x)[3]) {
 CornerFrame frame_of(const MikkTangent& x, const Vec3<double>& normal, bool own_bitangent) {
   if (!x.served) return fallback_frame(normal, x.sign);
   const Vec3<double> n = unit(normal), t = unit_or_zero(x.t);
-  // Where dpdu lies along n, t is the rounding of its projection: it has any direction, even along n.
+  // Where dpdu is along n, t is only the rounding error of its projection: it may have any direction, even
+  // along n.
   const Vec3<double> b = own_bitangent ? unit_or_zero(x.b) : double{x.sign} * unit(cross(n, t));
   return frame_or_fallback(t, b, n, x.sign);
 }

@@ -1,5 +1,5 @@
 /// \file mikktspace_frames.h
-/// What the method "mikktspace" gives corners, in single precision and without the frames.
+/// The results of the method "mikktspace" per corner, in single precision and without the frames.
 #pragma once
 
 #include <cstddef>
@@ -19,11 +19,11 @@ struct MikktspaceTangents : mikk::VertexTangents {
   MikktspaceCounts counts;
 };
 
-/// The t and the raw sign that mesh_frames() gives each corner by "mikktspace", t rounded to float: bit for
-/// bit; by corner where corners are the vertices. Takes 16 bytes per vertex beside mikktspace(), or per
-/// corner where triangles are degenerate or their uvs have no area; mesh_frames() takes 130 per corner.
-/// \param mesh triangles whose numbers are finite, and neither all positions nor all uvs below 2^-100 \throws
-/// as mikktspace()
+/// The t and the raw sign that mesh_frames() gives each corner by "mikktspace", bit for bit after t is
+/// rounded to float; stored by corner if corners are the vertices. Takes 16 bytes more than mikktspace() per
+/// vertex, or per corner if triangles are degenerate or their uvs have no area; mesh_frames() takes 130 per
+/// corner. \param mesh triangles whose numbers are finite, and neither all positions nor all uvs below 2^-100
+/// \throws as mikktspace()
 MikktspaceTangents mikktspace_tangents(const MikkMesh& mesh, int threads);
 
 }  // namespace darboux

@@ -208,7 +208,7 @@ struct Neighbourhood {
 };
 
 // Directions of dpdu and dpdv at uv = 0 of the least-squares polynomial through 0 and the neighbours; none if
-// they do not determine it, or barely.
+// these do not determine it, or barely do.
 std::optional<TangentPair> fit_polynomial(const Neighbourhood& near, int degree) {
   using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 9, 9>;
   constexpr double worst_condition = 1e3;

@@ -31,7 +31,8 @@ class Rings {
   const Vec2<double>& uv(Index node) const { return mesh_.uvs[vertex(node)]; }
   double sign(Index node) const { return whole(node) % 2 == 1 ? 1 : -1; }
 
-  // Nodes up to so many edges away from `near.front()`, appended ring by ring; ends[r] is where ring r ends.
+  // Nodes up to a number of edges away from `near.front()`, appended ring by ring; ends[r] is where ring r
+  // ends.
   // The first ring is complete. Later ones stop at most_nodes, and continue from a node over at most
   // most_triangles of its triangles, spread evenly: every vertex on the rim of a fan reaches its centre,
   // which would cost the square of its triangles.
@@ -42,7 +43,7 @@ class Rings {
     Index starts = 0;
   };
   void start(Index node, Walk& walk) const;
-  // From now on walks end at the ends of edges that creases.h calls sharp; do not start one there.
+  // From now on, walks end at edges that creases.h calls sharp; do not start one there.
   void stop_at_creases();
   bool at_crease(Index node) const { return !at_crease_.empty() && at_crease_[node]; }
   void grow(Walk& walk) const;

@@ -78,7 +78,7 @@ class Buffer {
 
  private:
   static constexpr std::size_t page = std::size_t{1} << 21;
-  // Clearing a large page takes less time than providing a quarter of it in pages of 4 kB.
+  // Clearing a large page takes less time than allocating a quarter of it in pages of 4 kB.
   bool large() const {
     return size_ * sizeof(T) >= page / 4;
   }
@@ -87,11 +87,11 @@ class Buffer {
   std::size_t size_ = 0;
 };
 
-// Work memory in few pieces, freed all at once. Not for several threads at a time.
+// Working memory in a few allocations, freed all at once. Not thread-safe.
 class Memory {
  public:
-  // Frees everything taken, and provides one piece of at least so many bytes: the present one if it is large
-  // enough, else a new one at least as large as all pieces before together.
+  // Frees everything taken, and provides one allocation of at least this many bytes: the present one if it is
+  // large enough, else a new one at least as large as all previous ones together.
   void start(std::size_t bytes) {
     used_ = 0;
     if (pieces_.size() == 1 && pieces_.front().size() >= bytes) return;

@@ -10,7 +10,7 @@ namespace darboux::mikk {
 
 namespace {
 
-// The most triangles there may be: a quad is two.
+// The maximum number of triangles: two per quad.
 std::size_t triangles_of(const MikkMesh& mesh) {
   return mesh.face_sizes.empty() ? mesh.corner_count() / 3 : 2 * mesh.face_sizes.size();
 }
@@ -22,7 +22,7 @@ std::size_t scratch_bytes(const MikkMesh& mesh, std::size_t threads) {
                    sizeof(Directions) * triangles_of(mesh)});
 }
 
-// Room for everything if no triangle is degenerate, so that it is one piece of memory.
+// Room for everything if no triangle is degenerate, as one allocation.
 std::size_t usual_bytes(const MikkMesh& mesh, std::size_t threads, bool lengths) {
   constexpr std::size_t rounding = 1 << 12;
   const std::size_t of_ids = 5 * sizeof(Index), of_vertices = sizeof(Index),
@@ -93,8 +93,8 @@ void Connectivity::list_triangles() {
   std::ranges::copy(corner_, cut_.begin());
 }
 
-// Triangles with two corners in the same place are degenerate. Each is exchanged with the next good one not
-// yet exchanged, so they come last. All sums follow the order of the good ones.
+// Triangles with two corners at the same position are degenerate. Each is swapped with the next good one not
+// yet swapped, so that they come last. All sums follow the order of the good ones.
 void Connectivity::set_degenerate_apart() {
   const auto is_degenerate = [&](std::size_t t) {
     const Vector a = position(vertex(corner(3 * t))), b = position(vertex(corner(3 * t + 1))),
@@ -160,7 +160,7 @@ void Connectivity::list_corners() {
   begin_ = memory_.take<Index>(ids + 1);
   at_vertex_ = memory_.take<Index>(3 * good_);
   const std::span<Index> all_next = reused<Index>(scratch_, ids);
-  // Each thread has some of the ids and reads all corners; with many threads that costs too much.
+  // Each thread has some of the ids and reads all corners, which costs too much with many threads.
   const std::size_t parts = ids < least_counted ? 1 : std::min<std::size_t>(threads_, 8);
   const auto of_ids = [&](const auto& f) { parallel_ranges(ids, parts, f, ids / parts + 1); };
   of_ids([&](std::size_t first, std::size_t last) {
@@ -221,7 +221,7 @@ void Connectivity::orient_any() {
   std::ranges::fill(labelled_, 0);
   for (std::size_t at = 0; at < 3 * good_; ++at)
     if (orientation_[at / 3].any != 0) labelled_[welded(at)] = 1;
-  // As at_vertex_, of those with labels.
+  // Like at_vertex_, for those with labels.
   const std::span<Index> after = memory_.take<Index>(3 * good_), before = memory_.take<Index>(3 * good_);
   parallel_ranges(ids_, threads_, [&](std::size_t begin, std::size_t end) {
     Links links;

@@ -1,6 +1,6 @@
 /// \file connectivity.h
-/// A mesh as MikkTSpace works on it: vertices welded, degenerate triangles apart, links across edges,
-/// what each corner adds to the sums.
+/// MikkTSpace's internal mesh: vertices welded, degenerate triangles separated, links across edges, and the
+/// contribution of each corner to the sums.
 #pragma once
 
 #include <algorithm>
@@ -29,12 +29,12 @@ constexpr std::size_t weld_places(std::size_t vertices) {
   return std::bit_ceil(vertices + vertices / 2 + 1);
 }
 
-// From this many on, a second thread is woken: vertices to weld, triangles, vertices to compute, vertices
+// A second thread is used from this number on: of vertices to weld, triangles, vertices to compute, vertices
 // whose corners are counted.
 constexpr std::size_t least_welded = 4096, least_triangles = 2048, least_served = 1024,
                       least_counted = 1 << 14;
 
-// Ids are handed out a few at a time to each range of vertices, so that some are left unused.
+// Ids are assigned to each range of vertices a few at a time, so some stay unused.
 constexpr Index ids_at_a_time = 256;
 constexpr std::size_t most_ids(std::size_t vertices, std::size_t threads) {
   return vertices + ids_at_a_time * range_count(vertices, threads, least_welded);
@@ -69,7 +69,7 @@ const LaneKernels& lanes_of(InstructionSet set);
 
 // Complete when the constructor returns; read only from then on.
 struct Connectivity {
-  // `lengths` says whether these are wanted. Everything lies in `memory`.
+  // `lengths` says whether these are requested. All arrays are in `memory`.
   Connectivity(const MikkMesh& mesh, const Range& range, const LaneKernels& lanes, const MikkOptions& options,
                bool lengths, Memory& memory);
 
@@ -84,8 +84,8 @@ struct Connectivity {
   // them.
   std::size_t corner(std::size_t at) const { return corner_.empty() ? at : corner_[at]; }
   Index welded(std::size_t at) const { return welded_[at]; }
-  // The vertex whose values a corner takes: the representative of all that are welded to it. Their zeros may
-  // have other signs.
+  // The vertex whose values a corner takes: the representative of all vertices welded to it. Signs of zeros
+  // may differ.
   Index source(std::size_t at) const { return mixed_zeros_ ? stands_for_[welded(at)] : vertex(corner(at)); }
   std::size_t face(std::size_t triangle) const { return face_.empty() ? triangle : face_[triangle]; }
   static std::size_t next(std::size_t at) { return at % 3 == 2 ? at - 2 : at + 1; }

@@ -64,7 +64,7 @@ void Connectivity::differentiate(bool lengths) {
       },
       least_triangles);
   any_ = any;
-  // Both triangles of a quad have one orientation: that of the one with the larger uv area.
+  // Both triangles of a quad get the orientation of the one with the larger uv area.
   if (mesh_.face_sizes.empty()) return;
   const auto area2 = [&](std::size_t t) {
     std::array<const float*, 3> uv;

@@ -61,7 +61,8 @@ void check(const MikkOptions& options) {
                          expected_got("0 <= degrees <= 180", std::to_string(options.angular_threshold)));
 }
 
-// The bits of a magnitude grow with it; those of infinity and NaN are the greatest. Signed, as lanes compare.
+// The bits of a magnitude increase with it; those of infinity and NaN are the largest. Signed, as lanes
+// compare signed.
 std::int32_t magnitude_bits(float x) {
   return std::bit_cast<std::int32_t>(x) & 0x7fffffff;
 }

@@ -130,15 +130,15 @@ DARBOUX_INLINE Vectors normalised(const Vectors& a) {
 DARBOUX_INLINE Vectors across(const Vectors& n, const Vectors& a) {
   return normalised(a - dot(n, a) * n);
 }
-// The power of two that brings x to [1, 2), or as near as float has one.
+// The power of two that scales x to [1, 2), or the nearest that float has.
 DARBOUX_INLINE Floats to_one(const Floats& x) {
   return reinterpret_cast<Floats>(0x7f000000 - (reinterpret_cast<Mask>(x) & 0x7f800000));
 }
 
 // ---- angles
 
-// acos x in double, between two bounds, the lower one rounded to float: by asin(√z)/√z as a polynomial on
-// [0, 1/4], interpolated at the nodes of Chebyshev, within 2^-39.8 of it.
+// acos x in double as two bounds, the lower one rounded to float: from asin(√z)/√z as a polynomial on [0,
+// 1/4], interpolated at Chebyshev nodes, within 2^-39.8.
 DARBOUX_INLINE Half arc_cosines(const Half& cosine, Doubles& low, Doubles& high) {
   constexpr std::array<double, 9> p{0x1.0000000000e83p+0, 0x1.55555542fd475p-3,  0x1.33334261d9e87p-4,
                                     0x1.6db20cadb1f43p-5, 0x1.f288c804351cep-6,  0x1.6615a0ec8d425p-6,
@@ -238,7 +238,7 @@ DARBOUX_INLINE Found find(const Corners& x) {
   return found;
 }
 
-// Three numbers of a vertex and one more, the next vertex's; for the last vertex without reading beyond.
+// Three numbers of a vertex and one of the next; for the last vertex, without reading beyond the end.
 DARBOUX_INLINE Four three_of(const float* x, Index v, Index last) {
   const float* const at = x + 3 * std::size_t{v};
   return v < last ? load(at) : Four{at[0], at[1], at[2], 0};
@@ -332,7 +332,7 @@ bool differentiate(const Triangles& x) {
 
 // ---- corners at a vertex
 
-// Alternates blocks of the directions s of four corners with blocks of their t.
+// Alternates blocks of the directions s and t of four corners.
 void find_parts(const Directions* directions, const Index* corners, std::size_t count, const float* normal,
                 Part* parts) {
   const Floats zero{};

@@ -20,14 +20,14 @@ struct Orientation {
   std::uint8_t preserves : 1;  // the uvs wind as the triangle does
   std::uint8_t any : 1;  // joins groups of either orientation: its uvs lack area, or s or t lacks length
 };
-// Unit directions in which u and v grow in a triangle, and at each corner the angle between its edges as seen
-// along the normal there.
+// Unit directions of increasing u and v in a triangle, and at each corner the angle between its edges,
+// projected along the normal there.
 struct Directions {
   Vector s, t;
   std::array<float, 3> angle;
 };
 // A corner's contribution: the directions, unit and perpendicular to the normal there, to be weighted by the
-// angle. The angle stands beside each of them, so that four numbers are stored and loaded at a time.
+// angle. The angle is stored next to each of them, so that four numbers are stored and loaded at a time.
 struct Part {
   Vector s;
   float angle;
@@ -70,7 +70,7 @@ struct Ring {
 struct Group {
   const Index* corners;
   std::size_t count;
-  Index vertex;  // whose normal counts
+  Index vertex;  // its normal is used
 };
 struct Groups {
   const Directions* directions;
@@ -98,7 +98,7 @@ struct LaneKernels {
   // `after` and `before` of some rings. Where an edge is passed more than twice, each of these is any of
   // those that fit, and links there and back may disagree.
   void (*link)(Ring* rings, std::size_t count);
-  // Of groups without triangles that are `any`.
+  // For groups without triangles that are `any`.
   void (*average)(const Groups& groups, Average* averages);
   // acos as differentiate() takes it, for its test; `exactly` is Triangles::arc_cosine. \param count a
   // multiple of 16

@@ -1,13 +1,13 @@
-// The order in which the original leaves the edges that it forgets to sort.
+// The order in which the original MikkTSpace leaves the edges that it forgets to sort.
 //
 // MikkTSpace finds neighbours by sorting all edges: first by their smaller vertex, then each run of equal
 // smaller vertices by the greater one, then each run of equal edges by triangle. Its loops miss the last run
 // at every level. So the edges with the greatest smaller vertex stay as the first sort left them, and equal
 // ones that do not lie side by side there do not find each other.
 //
-// To give the same bits, this file follows the original where that matters: the corner by which it knows each
-// welded vertex (its representative), because the sort compares these; and the way of its quicksort to the
-// last run.
+// To give the same bits, this file follows the original where that matters: the corner by which it identifies
+// each welded vertex (its representative), because the sort compares these; and the path of its quicksort to
+// the last run.
 
 #include <algorithm>
 #include <array>
@@ -31,7 +31,7 @@ constexpr std::size_t cell_count = 2048;
 
 using Floats = float __attribute__((vector_size(16)));
 
-// A corner, and where it is.
+// A corner and its position.
 struct alignas(16) Entry {
   std::array<float, 3> p;
   Index corner;
@@ -64,10 +64,10 @@ Box box_of(std::span<const Entry> entries) {
   return box[0];
 }
 
-// How the original orders the corners of a cell. It halves the cell across its longest side, again and again,
-// until the corners left lie in one place or next to each other. Halving swaps corners below the middle with
-// those that are not, from both ends inwards. leaf(begin, end) is called for each part in the order of the
-// places.
+// The order in which the original has the corners of a cell. It halves the cell across its longest side,
+// repeatedly, until the remaining corners are at one position or adjacent. Halving swaps corners below the
+// middle with those that are not, from both ends inwards. leaf(begin, end) is called for each part in order
+// of position.
 class Halving {
  public:
   template <class Leaf>
@@ -104,8 +104,8 @@ class Halving {
   Buffer<Index> below_, others_;  // where they are
 };
 
-// The corners of all triangles, sorted into the cells. Entries to look through are the corners, or by_vertex
-// the vertices, of which there are fewer, where corners are listed at them and in order.
+// The corners of all triangles, sorted into the cells. The entries to search are the corners or, if
+// by_vertex, the vertices, of which there are fewer; that requires their corners to be listed and in order.
 class Cells {
  public:
   Cells(Connectivity& mesh, bool by_vertex)
@@ -130,19 +130,19 @@ class Cells {
   }
 
   std::size_t axis() const { return axis_; }
-  // The cell of a coordinate along the axis; 0 in a flat mesh too.
+  // The cell of a coordinate along the axis; 0 also in a flat mesh.
   std::size_t at(float x) const {
     const float at = place(x);
     return at >= 0 ? at < cell_count ? static_cast<std::size_t>(at) : cell_count - 1 : 0;
   }
 
-  // A counting sort of the entries of the cells asked for; within a cell they keep their order.
+  // A counting sort of the entries of the requested cells; within a cell they keep their order.
   void sort(const std::vector<std::uint8_t>& asked) {
-    // Block by block those asked for.
+    // The requested entries, block by block.
     const std::span<Index> hits = reused<Index>(mesh_.scratch_, entries_);
     std::vector<std::size_t> hits_of(blocks_);
     std::vector<Index> next(blocks_ * cell_count, 0);  // per block and cell: a count, then where they go
-    // Most entries are before all cells asked for or after them.
+    // Most entries are before or after all requested cells.
     const auto is_asked = [](std::uint8_t x) { return x != 0; };
     const auto first_asked = std::find_if(asked.begin(), asked.end(), is_asked) - asked.begin(),
                past_asked = asked.rend() - std::find_if(asked.rbegin(), asked.rend(), is_asked);
@@ -219,7 +219,7 @@ class Cells {
     const float* p = position(entry);
     return Box(Floats{p[0], p[1], p[2], 0});
   }
-  // f(block, begin, end). All passes have the same blocks, so that the entries of a cell stay in order.
+  // Calls f(block, begin, end). All passes use the same blocks, so that the entries of a cell stay in order.
   template <class F>
   void in_blocks(const F& f) const {
     parallel_ranges(
@@ -242,8 +242,8 @@ struct KeyedEdge {
   Index key, edge;  // its smaller representative; the corner where it begins
 };
 
-// The original's first sort, a quicksort with pivots from its own random numbers, of which only what leads to
-// the run of the greatest key is followed.
+// The original's first sort, a quicksort with pivots from its own random numbers, followed only as far as it
+// leads to the run of the greatest key.
 void sort_as_the_original(std::span<KeyedEdge> edges, Index greatest) {
   struct Part {
     std::ptrdiff_t first, last;
@@ -274,12 +274,12 @@ void sort_as_the_original(std::span<KeyedEdge> edges, Index greatest) {
 
 }  // namespace
 
-// The representatives of the ids wanted, or of all: the first corner of each in the original's order.
+// The representatives of the requested ids, or of all: the first corner of each in the original's order.
 void Connectivity::find_representatives(std::span<const Index> wanted) {
   if (representative_.empty()) representative_ = memory_.take<Index>(ids_);
   std::ranges::fill(representative_, none);
   if (all_ == 0) return;
-  // Few cells will be asked for, of which sorting is not much.
+  // Few cells will be requested, and sorting them costs little.
   const bool by_vertex = !wanted.empty() && wanted.size() < cell_count / 16 && corner_.empty();
   Cells cells(*this, by_vertex);
   std::vector<std::uint8_t> asked(cell_count, wanted.empty() ? 1 : 0);
@@ -303,7 +303,7 @@ void Connectivity::find_representatives(std::span<const Index> wanted) {
       16);
 }
 
-// Zeros of either sign are equal, so that the representative decides which signs a vertex has.
+// Zeros of both signs are equal, so the representative decides the signs of a vertex's zeros.
 void Connectivity::take_values_of_representatives() {
   if (!mixed_zeros_) return;
   find_representatives({});
@@ -311,8 +311,7 @@ void Connectivity::take_values_of_representatives() {
     if (representative_[id] != none) stands_for_[id] = vertex(representative_[id]);
 }
 
-// The first and the last corner of each id, between which its representative lies, where triangles are not in
-// order.
+// The first and the last corner of each id, which bound its representative, if triangles are not in order.
 void Connectivity::bound_representatives(std::span<Index> first, std::span<Index> last) const {
   std::ranges::fill(first, none);
   std::ranges::fill(last, 0);
@@ -324,7 +323,7 @@ void Connectivity::bound_representatives(std::span<Index> first, std::span<Index
   }
 }
 
-// The edges that may be in the last run, and their representatives where bounds do not tell them.
+// The edges that may be in the last run; also computes their representatives where bounds do not suffice.
 std::vector<Index> Connectivity::candidates_for_the_last_run() {
   const bool in_order = corner_.empty();
   std::span<Index> firsts, lasts;
@@ -334,8 +333,8 @@ std::vector<Index> Connectivity::candidates_for_the_last_run() {
   }
   const auto first = [&](Index id) { return in_order ? corners_at(id).front() : firsts[id]; };
   const auto last = [&](Index id) { return in_order ? corners_at(id).back() : lasts[id]; };
-  // The greatest of the smaller representatives of a triangle's edges is the median of its three, of which in
-  // order none is after its last corner.
+  // The greatest of the smaller representatives of a triangle's edges is the median of its three
+  // representatives. In order, none of these is after the triangle's last corner.
   Index bound = 0;
   for (std::size_t t = good_; t-- > 0 && !(in_order && 3 * t + 2 <= bound);) {
     const Index a = first(welded(3 * t)), b = first(welded(3 * t + 1)), c = first(welded(3 * t + 2));
@@ -377,7 +376,7 @@ void Connectivity::find_last_edges() {
   std::vector<Index> run, others;
   for (const Index e : candidates)
     if (smaller(e) == greatest) run.push_back(e), others.push_back(greater(e));
-  // The order matters only among three edges or more of which two are equal.
+  // The order matters only among three or more edges, two of which are equal.
   std::sort(others.begin(), others.end());
   if (run.size() < 3 || std::adjacent_find(others.begin(), others.end()) == others.end()) return;
 

@@ -38,8 +38,8 @@ class Tangents : mikk::Connectivity {
 
   // Whether the groups serve all corners.
   bool serve_all() const { return good_ == all_ && !any_; }
-  // put(corner, tangent) for the corners that the groups serve, once for those of triangles; copy(from, to)
-  // for those that degenerate triangles take over. Each thread has a copy of `put`. Where it has
+  // put(corner, tangent) for the corners that the groups serve, once for triangles; copy(from, to) for the
+  // corners of degenerate triangles, which copy others. Each thread has a copy of `put`. If it has
   // end_of_vertex(), that is called after all corners of equal vertices.
   template <class Put, class Copy>
   void of_corners(const Put& put, const Copy& copy) const;
@@ -63,7 +63,7 @@ class Tangents : mikk::Connectivity {
   float cosine_;
 };
 
-// Of the vertex that is served.
+// Scratch data of the vertex being served.
 struct Tangents::Scratch {
   std::span<const Index> corners;
   std::vector<Part> part;  // of each, and more
@@ -71,11 +71,11 @@ struct Tangents::Scratch {
   std::vector<Index> group, reached, first, next, members, served;
 };
 
-// The average over some corners, weighted by the angle between a triangle's edges as seen along the normal.
+// The average over some corners, weighted by the angle between a triangle's edges projected along the normal.
 MikkTangent Tangents::evaluate(std::span<const Index> members, const Scratch& x) const {
   // x, y, z, and the angle.
   using Four = float __attribute__((vector_size(16)));
-  const bool all = !lengths_.empty();  // else nobody asks for more than t
+  const bool all = !lengths_.empty();  // else only t is needed
   Four s_sum{}, t_sum{};
   float s_length = 0, t_length = 0, sum = 0;
   for (const Index i : members) {
@@ -116,7 +116,7 @@ void Tangents::serve_group(std::span<const Index> group, Scratch& x, Put& put) c
     return any(a) || any(b) || face(a / 3) == face(b / 3) ||
            (dot(x.part[i].s, x.part[j].s) > cosine_ && dot(x.part[i].t, x.part[j].t) > cosine_);
   };
-  // At the usual 180 degrees only opposite directions part: there are none where all are on one side.
+  // At the usual 180 degrees only opposite directions are separated: there are none if all are on one side.
   bool all = cosine_ <= -1;
   Index first = none;
   for (std::size_t i = 0; all && i < group.size(); ++i) {
@@ -202,8 +202,8 @@ void Tangents::go_round(Index id, mikk::Ring& ring) const {
   }
 }
 
-// Whether one path or circle passes all corners, whose triangles have one orientation. Links that lead back
-// to where they come from show that no edge of it is passed more than twice; a path begins where none does.
+// Whether one path or cycle visits all corners, whose triangles have one orientation. If links lead back to
+// where they come from, no edge of it is used more than twice; a path begins where there is no such link.
 bool Tangents::is_one_group(const mikk::Ring& ring, std::span<const Index> corners) const {
   std::size_t start = 0;
   bool alike = true;
@@ -222,7 +222,7 @@ bool Tangents::is_one_group(const mikk::Ring& ring, std::span<const Index> corne
   }
 }
 
-// A few vertices at a time. Those that are not as nearly all are left to serve().
+// A few vertices at a time. Unusual ones are left to serve().
 template <class Put>
 void Tangents::serve_in_lanes(std::size_t begin, std::size_t end, Scratch& x, Put& put) const {
   constexpr std::size_t at_a_time = 64;
@@ -288,11 +288,11 @@ void Tangents::of_corners(const Put& put, const Copy& copy) const {
           if (begin_[id] != begin_[id + 1]) serve(static_cast<Index>(id), scratch, mine);
       },
       mikk::least_served);
-  // A degenerate triangle takes over what the first good corner at the vertex has.
+  // A corner of a degenerate triangle copies the first good corner at its vertex.
   for (std::size_t at = 3 * good_; at < 3 * all_; ++at)
     if (alone_[at / 3] == 0)
       if (const auto corners = corners_at(welded(at)); !corners.empty()) copy(corner(corners[0]), corner(at));
-  // The fourth corner of a quad, one of whose triangles is degenerate: from the corner in the same place.
+  // The fourth corner of a quad with one degenerate triangle copies the corner at the same position.
   for (std::size_t t = 0; good_ < all_ && t < good_; ++t) {
     if (alone_[t] == 0) continue;
     const std::size_t begin = face_begin_[face(t)];
@@ -308,7 +308,7 @@ void Tangents::of_corners(const Put& put, const Copy& copy) const {
   }
 }
 
-// Of meshes whose triangles are in order.
+// For meshes whose triangles are in order.
 class PutByVertex {
  public:
   struct Others {
@@ -365,7 +365,7 @@ bool has_quads(const MikkMesh& mesh) {
   return std::any_of(mesh.face_sizes.begin(), mesh.face_sizes.end(), [](auto n) { return n == 4; });
 }
 
-// The average of what two triangles of a quad give to a corner.
+// The average of the contributions of a quad's two triangles to a corner.
 MikkTangent average(const MikkTangent& a, const MikkTangent& b) {
   const auto same = [](const auto& x, const auto& y) {
     return std::equal(std::begin(x), std::end(x), std::begin(y));

@@ -1,5 +1,5 @@
 /// \file vertex_tangents.h
-/// MikkTSpace's tangents of an indexed mesh, by vertex: nearly all corners at a vertex have the same.
+/// MikkTSpace's tangents of an indexed mesh, by vertex: nearly all corners at a vertex have the same tangent.
 #pragma once
 
 #include <vector>
@@ -24,7 +24,7 @@ struct VertexTangents {
   // All corners instead, if triangles are degenerate or their uvs have no area; else empty.
   Buffer<Vec4<float>> of_corners;
 };
-// For indexed triangles. Takes 16 bytes per vertex more than mikktspace(), or per corner for of_corners.
+// For indexed triangles. Takes 16 bytes more than mikktspace() per vertex, or per corner for of_corners.
 VertexTangents vertex_tangents(const MikkMesh& mesh, const MikkOptions& options);
 
 }  // namespace darboux::mikk

@@ -31,22 +31,22 @@ struct Vertices {
     std::memcpy(&x, from, bytes);
     return x;
   }
-  // Zeros of either sign alike.
+  // Maps zeros of both signs to +0.
   static Words positive_zeros(const Words& x) {
     return reinterpret_cast<Words>(reinterpret_cast<Four>(x) + 0.0F);
   }
-  // Of one size for all but the last: three numbers, and one of the next vertex.
+  // 16 bytes for all but the last vertex: three numbers, and one of the next vertex.
   std::uint64_t hash(std::size_t v) const { return v < last ? hash(v, 16) : hash(v, 12); }
   std::uint64_t hash(std::size_t v, std::size_t bytes) const {
     const Words p = positive_zeros(load(positions + 3 * v, bytes)),
                 n = positive_zeros(load(normals + 3 * v, bytes)), uv = positive_zeros(load(uvs + 2 * v, 8));
-    // Multipliers are odd: what differs in one of the four never collides.
+    // Odd multipliers: values that differ in only one of the four words never collide.
     const std::uint64_t sum = p[0] * 0xff51afd7ed558ccd + n[0] * 0xc4ceb9fe1a85ec53 +
                               uv[0] * 0x9e3779b97f4a7c15 +
                               (static_cast<std::uint32_t>(p[1]) | n[1] << 32) * 0xd6e8feb86659fd93;
     const std::uint64_t product = (sum ^ sum >> 32) * 0xff51afd7ed558ccd;
-    // Numbers with many zero bits at their end, as of a grid of small steps, reach the upper half alone. It
-    // is what same_half() compares, and stays.
+    // Numbers with many trailing zero bits, as in a grid of small steps, affect only the upper half, which
+    // same_half() compares and which stays unchanged.
     return product ^ product >> 32;
   }
   bool same_bits(std::size_t a, std::size_t b) const {
@@ -73,7 +73,7 @@ struct Vertices {
   }
 };
 
-// Hands out ids.
+// Assigns ids.
 class Numbers {
  public:
   explicit Numbers(std::atomic<Index>& all) : all_(all) {}
@@ -102,7 +102,7 @@ constexpr bool same_half(Place place, std::uint64_t hash) {
   return (place ^ hash) >> 32 == 0;
 }
 
-// What one thread sees of the table.
+// One thread's access to the table.
 struct Alone {
   static Place load(const Place& place) { return place; }
   static bool take(Place& place, Place& expected, Place value) {
@@ -124,7 +124,7 @@ std::uint64_t weld_hash(const MikkMesh& mesh, std::size_t v) {
   return Vertices(mesh).hash(v);
 }
 
-// A hash table with a place for each value. False when so much room does not do.
+// Welds by a hash table with a slot per value. False if the table is too small.
 template <class Access>
 bool Connectivity::weld_with(std::span<Place> table, std::size_t most_steps) {
   parallel_ranges(table.size(), threads_, [&](std::size_t begin, std::size_t end) {
@@ -135,7 +135,7 @@ bool Connectivity::weld_with(std::span<Place> table, std::size_t most_steps) {
   parallel_ranges(
       id_.size(), threads_,
       [&](std::size_t begin, std::size_t end) {
-        // Some at a time: their places are fetched while hashes are taken, then the vertices there.
+        // Several at a time: their slots are prefetched while hashes are computed, then the vertices there.
         constexpr std::size_t at_a_time = 64;
         std::array<std::uint64_t, at_a_time> hashes;
         const Vertices vertices(mesh_);
@@ -201,7 +201,7 @@ void Connectivity::weld() {
     return range_count(n, threads_, least_welded) == 1 ? weld_with<Alone>(places, most_steps)
                                                        : weld_with<Shared>(places, most_steps);
   };
-  // Vertices of a triangle soup are mostly sixfold: a table that is a third full then at most, and soon in
+  // Vertices of a triangle soup mostly occur six times, so this table is at most a third full, and soon in
   // the caches.
   if (mesh_.corners.empty() && n > 4096 && with(table.first(std::bit_ceil(n / 2)), 64)) return;
   with(table, enough);

@@ -28,13 +28,13 @@ inline bool turned_over(const AnySurface& surface, const Vec2<double>& uv) {
   return surface.frame(uv.x, uv.y).handedness < 0;
 }
 
-/// The largest coordinate's size.
+/// The largest absolute coordinate.
 inline double largest(const Vec3<double>& p) {
   return std::fmax(std::fabs(p.x), std::fmax(std::fabs(p.y), std::fabs(p.z)));
 }
 
-/// Whether two points are one but for rounding: 8 ulps of numbers as large as the surface's coordinates about
-/// them. A formula's sin(pi*v) is 1.2e-16 at v = 1, not 0. A NaN equals nothing.
+/// Whether two points are the same up to rounding: 8 ulps of numbers as large as the surface's coordinates
+/// around them. A formula's sin(pi*v) is 1.2e-16 at v = 1, not 0. A NaN equals nothing.
 inline bool same_place(const Vec3<double>& a, const Vec3<double>& b, double scale) {
   const Vec3<double> d = a - b;
   const double most = 8 * std::numeric_limits<double>::epsilon() * scale;
@@ -65,15 +65,16 @@ class VertexMaker {
   std::optional<FrameTransform<double>> scale_;
 };
 
-/// To multiples of 2^-20, so that a float holds the middle of any two, sheared by a multiple of 1/4 too.
+/// Rounds to multiples of 2^-20, so that a float holds the midpoint of any two, also sheared by a multiple of
+/// 1/4.
 void round_uvs(ChartMesh& chart);
 
 /// Adds triangles without area and rounds the positions.
-/// \param chart where the mesh's vertices lie
+/// \param chart the mesh's vertices in uv
 void add_degenerate_triangles(Mesh& mesh, const std::vector<ChartVertex>& chart, const VertexMaker& make,
                               int count);
 
-/// Takes their uv area from triangles among the first `of` of the mesh.
+/// Removes the uv area of some triangles among the first `of` of the mesh.
 void collapse_uvs(Mesh& mesh, std::size_t of, int count);
 
 }  // namespace darboux

@@ -29,7 +29,7 @@ std::pair<std::uint32_t, std::uint32_t> shortest_edge(const Mesh& mesh, const Tr
   return {triangle[shortest], triangle[(shortest + 1) % 3]};
 }
 
-// To multiples of a step so large that a float holds the middle of any two.
+// Rounds to multiples of a step so large that a float holds the midpoint of any two.
 void round_positions(Mesh& mesh) {
   double largest = 0;
   for (const Vec3<double>& p : mesh.positions)

@@ -70,7 +70,7 @@ ChartMesh grid_mesh(const AnySurface& surface, const SampleMeshOptions& o) {
     return known;
   };
 
-  // \returns false for a triangle that is left out because it reaches infinity
+  // \returns false for a triangle that is omitted because it extends to infinity
   const auto add = [&](std::array<std::array<int, 2>, 3> corners, int column) {
     std::array<Vec3<double>, 3> p;
     Vec2<double> centre{};

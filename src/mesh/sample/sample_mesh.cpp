@@ -37,7 +37,7 @@ std::string grid_text(const SampleMeshOptions& o) {
   return std::to_string(o.columns) + "x" + std::to_string(o.rows);
 }
 
-// The topology, for this surface and with the options that belong to others.
+// Checks the topology for this surface, and that options of other topologies are not set.
 void check_topology(const AnySurface& surface, const SampleMeshOptions& o) {
   const SurfaceInfo& info = surface.info();
   const auto expect = [&](bool holds, const char* expected, const std::string& got) {

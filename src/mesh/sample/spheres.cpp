@@ -33,7 +33,7 @@ class SphereBuilder {
 
   void add(const Vec3<double>& a, const Vec3<double>& b, const Vec3<double>& c) {
     std::array<ChartPoint, 3> p{chart_point(a), chart_point(b), chart_point(c)};
-    // Across the seam: those behind it go on beyond u = 1.
+    // Across the seam, vertices beyond it continue at u > 1.
     double greatest = 0;
     for (const ChartPoint& x : p)
       if (!x.pole) greatest = std::max(greatest, x.u);
@@ -82,8 +82,8 @@ std::array<Vec3<double>, 12> icosahedron_corners() {
 void add_icosahedron(SphereBuilder& builder, int n) {
   const std::array<Vec3<double>, 12> corners = icosahedron_corners();
   const auto add_face = [&](std::array<int, 3> corner) {
-    // The point with i and j steps from corner 0 towards 1 and 2, corners added in the same order on every
-    // face.
+    // The point i and j steps from corner 0 towards corners 1 and 2; corners are added in the same order on
+    // every face.
     const auto point = [&](int i, int j) {
       std::array<std::pair<int, int>, 3> weighted{{{corner[0], n - i - j}, {corner[1], i}, {corner[2], j}}};
       std::sort(weighted.begin(), weighted.end());
