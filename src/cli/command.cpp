@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <cstdio>
 #include <iostream>
+#include <mutex>
 #include <new>
+#include <system_error>
 
 #include <unistd.h>
 
@@ -262,26 +266,34 @@ void print_json(const Json& json) {
   std::cout << json_text(json) << '\n';
 }
 
-Progress::Progress(std::string label, const Common& common)
-    : label_(std::move(label)),
-      enabled_(!common.quiet && ::isatty(STDERR_FILENO) != 0),
-      start_(std::chrono::steady_clock::now()),
-      last_(start_) {}
-
-Progress::~Progress() {
-  if (drawn_) std::fputs("\r\033[K", stderr);
+Progress::Progress(std::string label, const Common& common) : label_(std::move(label)) {
+  if (common.quiet || ::isatty(STDERR_FILENO) == 0) return;
+  try {
+    drawer_ = std::jthread([this](const std::stop_token& stop) { draw(stop); });
+  } catch (const std::system_error&) {  // no thread is left for it: no bar
+  }
 }
 
-void Progress::update(double share) {
+void Progress::draw(const std::stop_token& stop) const {
   using namespace std::chrono_literals;
-  const auto now = std::chrono::steady_clock::now();
-  if (!enabled_ || now - start_ < 500ms || now - last_ < 100ms) return;
-  last_ = now;
-  drawn_ = true;
-  constexpr int width = 40;
-  const int filled = static_cast<int>(std::lround(width * std::fmin(1, std::fmax(0, share))));
-  std::fprintf(stderr, "\r%s [%s%s] %3.0f %%", label_.c_str(), std::string(filled, '#').c_str(),
-               std::string(width - filled, '.').c_str(), 100 * share);
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  std::mutex mutex;
+  std::condition_variable_any ends;
+  std::unique_lock lock(mutex);
+  const auto stops_within = [&](auto time) {
+    return ends.wait_for(lock, stop, time, [&] { return stop.stop_requested(); });
+  };
+  if (stops_within(500ms)) return;
+  do {
+    constexpr int width = 40;
+    const double share = std::fmin(1, std::fmax(0, share_));
+    const int filled = static_cast<int>(std::lround(width * share));
+    std::fprintf(stderr, "\r%s [%s%s] %3.0f %%, %.0f s", label_.c_str(), std::string(filled, '#').c_str(),
+                 std::string(width - filled, '.').c_str(), 100 * share,
+                 std::chrono::duration<double>(Clock::now() - start).count());
+  } while (!stops_within(200ms));
+  std::fputs("\r\033[K", stderr);
 }
 
 }  // namespace darboux

@@ -4,13 +4,15 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <stop_token>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -157,19 +159,20 @@ std::string json_text(const Json& json, int indent = 2);
 /// Prints one JSON document to stdout.
 void print_json(const Json& json);
 
-/// A progress bar on stderr. It is drawn only on a terminal, not with --quiet, and not during the first half
-/// second.
+/// A progress bar on stderr and the seconds so far, which count on where the share does not change, as within
+/// one large file. It is drawn only on a terminal, not with --quiet, and not during the first half second.
 class Progress {
  public:
   Progress(std::string label, const Common& common);
-  ~Progress();
   /// \param share fraction done, in [0, 1]
-  void update(double share);
+  void update(double share) { share_ = share; }
 
  private:
+  void draw(const std::stop_token& stop) const;
+
   std::string label_;
-  bool enabled_, drawn_ = false;
-  std::chrono::steady_clock::time_point start_, last_;
+  std::atomic<double> share_{0};
+  std::jthread drawer_;
 };
 
 }  // namespace darboux

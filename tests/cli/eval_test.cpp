@@ -219,6 +219,21 @@ TEST_F(Cli, EvalGridIsOrderedAndCsvHasTheColumnsAskedFor) {
       << header;
 }
 
+// On a terminal, where nothing is known of the rest, seconds count; the line is cleared at the end.
+TEST_F(Cli, ProgressIsDrawnWhileACommandWaits) {
+  if (sh("script --version").status != 0) GTEST_SKIP() << "SKIPPED: script is not there, no terminal is made";
+  const auto on_a_terminal = [&](const std::string& options) {
+    write_bytes(path("command"),
+                "(sleep 1.5; echo 0.25,0.5) | darboux eval torus --input - --format csv -o o.csv" + options);
+    return good("script -qec 'bash command' /dev/null </dev/null");
+  };
+  const std::string drawn = on_a_terminal("");
+  EXPECT_NE(drawn.find("\reval [....................."), std::string::npos) << drawn;
+  EXPECT_NE(drawn.find(" %, 1 s"), std::string::npos) << drawn;
+  EXPECT_NE(drawn.find("\r\x1b[K"), std::string::npos) << drawn;
+  EXPECT_EQ(on_a_terminal(" --quiet").find("eval ["), std::string::npos);
+}
+
 TEST_F(Cli, EvalReadsWhatItWrites) {
   const std::string grid = good("darboux eval torus --grid 5x3 --attributes position --format csv");
   good("darboux eval torus --grid 5x3 --attributes position --format csv -o grid.csv");
