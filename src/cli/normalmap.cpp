@@ -1,5 +1,6 @@
 // `darboux normalmap`: converts a normal map to another space, checks one, or compares two.
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -50,6 +51,11 @@ void print_text(const NormalMapArguments& a, const NormalMapResult& r, std::span
   if (r.dilated != 0) std::cout << ", " << r.dilated << " in the gutter filled";
   std::cout << '\n';
   print_counts(r);
+  // Directions of a map lean little from the surface, unless they are read in a space that is not theirs.
+  if (r.below_surface > r.covered / 10)
+    std::cout << "is INPUT a map in " << a.from << " space? read as one, "
+              << std::lround(100.0 * r.below_surface / r.covered)
+              << " % of its texels point into the surface\n";
   if (r.first_conflict) return print_conflict(r, pieces);
   if (r.covered == 0) return;
   std::cout << "rounding: at most " << rounded(r.quantisation_max_deg, 3) << " degrees, rms "

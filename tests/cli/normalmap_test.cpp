@@ -77,6 +77,21 @@ TEST_F(NormalMapCli, PrintsJson) {
   EXPECT_LT(j["quantisation_deg"]["max"], 0.5);
 }
 
+TEST_F(NormalMapCli, AsksWhetherTheMapIsInAnotherSpace) {
+  Image flat(40, 30, 3, SampleType::u8);
+  auto& codes = std::get<std::vector<std::uint8_t>>(flat.samples);
+  for (std::size_t k = 0; k < codes.size(); ++k) codes[k] = k % 3 == 2 ? 255 : 128;
+  write_image(path("flat.png"), flat);
+  const std::string convert = "darboux normalmap ",
+                    object = " --from object --to tangent --mesh torus.glb -o out.png",
+                    tangent = " --from tangent --to object --mesh torus.glb -o object.png";
+  EXPECT_EQ(good(convert + "flat.png" + tangent).find("is INPUT"), std::string::npos);
+  EXPECT_EQ(good(convert + "object.png" + object).find("is INPUT"), std::string::npos);
+  EXPECT_NE(good(convert + "flat.png" + object).find("is INPUT a map in object space?"), std::string::npos);
+  EXPECT_NE(good(convert + "object.png" + tangent).find("is INPUT a map in tangent space?"),
+            std::string::npos);
+}
+
 TEST_F(NormalMapCli, RefusesOverlapsWithAPicture) {
   good("darboux mesh torus --grid 24x12 --mirror -o mirrored.glb");
   const std::string command =
