@@ -10,6 +10,7 @@
 #include <darboux/sample_mesh.h>
 
 #include "random_shapes.h"
+#include "thinning.h"
 
 namespace darboux::declared_surfaces_test {
 namespace {
@@ -76,14 +77,17 @@ TEST(DeclaredSurfaces, PassAnywhereInAnAtlas) {
   struct Map {
     double scale_u, scale_v, u, v;
   };
+  int first = 0;
   for (const AnySurface& surface : all_surfaces()) {
     if (!declared(surface).surface) continue;
+    int combination = first++;
     Mesh first_tile = sample_mesh(surface, {});
     test::round_to_floats(first_tile);
     const std::string of_the_first_tile = findings(assess_parts(first_tile, declared(surface)));
     for (const Map& map : {Map{0.125, 1, 0, 0}, Map{0.05, 0.3, 0.62, 0.11}, Map{1, 1, 0, 0.25},
                            Map{0.5, 0.5, 0, 0.5}, Map{0.03, 0.04, 0.5, 0.25}, Map{0.125, 1, 0, 1},
                            Map{0.25, 0.1, 3, -1}, Map{1, 1, 0, -1}, Map{1, 1, 2, 3}, Map{1, -1, 0, 0}}) {
+      if (!test::is_taken(combination++)) continue;
       SCOPED_TRACE(::testing::Message() << map.scale_u << ' ' << map.scale_v << ' ' << map.u << ' ' << map.v);
       Mesh mesh = sample_mesh(surface, {});
       for (Vec2<double>& uv : mesh.uvs) uv = {map.scale_u * uv.x + map.u, map.scale_v * uv.y + map.v};

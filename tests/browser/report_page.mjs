@@ -7,9 +7,9 @@ import {Browser} from './browser.mjs';
 /// drawn, no script fails, nothing outside the page is named, it does not scroll sideways, what is drawn is offered as SVG and CSV,
 /// arrow keys go from point to point, the end says how it was made. Then calls look(browser, name, value). Screenshots go to `folder`.
 export async function look_at(executable, page, {charts, folder, title, look, check}) {
+  const browser = new Browser(executable);
   for (const [name, width, scheme, media] of
        [['wide', 1280, 'light', ''], ['dark', 1280, 'dark', ''], ['narrow', 400, 'light', ''], ['print', 800, 'dark', 'print']]) {
-    const browser = new Browser(executable);
     const value = expression => browser.value(expression), ok = (good, what) => check(good, name + ': ' + what);
     await browser.open('file://' + page);
     await browser.send('Emulation.setEmulatedMedia', {media, features: [{name: 'prefers-color-scheme', value: scheme}]});
@@ -43,8 +43,8 @@ export async function look_at(executable, page, {charts, folder, title, look, ch
     await look(browser, name, ok);
     for (const complaint of browser.complaints()) check(false, name + ': ' + complaint);
     ok(await value('document.body.dataset.error === undefined'), 'a script failed: ' + await value('document.body.dataset.error'));
-    await browser.close();
   }
+  await browser.close();
   const html = readFileSync(page, 'utf8');
   check(!/<(script|link|img|iframe)[^>]*(src|href)="?(https?:)?\/\//.test(html), 'the page needs a network');
   for (const part of ['<dt>Machine', '<dt>Compiler', '<dt>Date', '<dt>Darboux', '<dt>Seed', '<dt>Again', '<dt>Cite'])

@@ -13,6 +13,7 @@
 
 #include "fit/uv/fit_uv.h"
 #include "random_pose.h"
+#include "thinning.h"
 
 namespace darboux::rounded_uv_test {
 namespace {
@@ -103,13 +104,17 @@ TEST(RoundedUv, EveryKindIsFoundInEveryStorage) {
 
 // Where the axes are the world's, most coordinates of a row round alike.
 TEST(RoundedUv, ASphereOnAGridIsNoEllipsoid) {
-  for (const Grid& grid : grids())
+  int turn = 0;
+  for (const Grid& grid : grids()) {
+    ++turn;
     for (int k = 0; k < 8; ++k)
       for (const Storage& storage : storages()) {
+        if (!test::is_taken(turn + k)) continue;
         PlacedSurface truth{make_surface("sphere").with(std::vector{1 + 0.37 * k})};
         if (k % 2 == 1) truth.placement.translation() = Eigen::Vector3d(0.3, 0.2, 5);
         expect_found(truth, grid, storage);
       }
+  }
 }
 
 // An ellipsoid's semi-axes differ by ten times what floats leave, or more.

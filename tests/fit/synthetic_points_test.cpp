@@ -9,6 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "thinning.h"
+
 namespace darboux::synthetic_points_test {
 namespace {
 
@@ -96,7 +98,7 @@ PlacedSurface surface_at(const SyntheticPoints& points, const Eigen::VectorXd& q
 // The judge's expectation. Over M sets of n parameters the mean of e^T I e / n scatters by sqrt(2 / (n M)); a
 // wrong formula for a distance, a wrong information or a wrong symmetry moves it by far more.
 TEST(SyntheticPoints, TheOracleReachesTheBound) {
-  constexpr int sets = 120;
+  const int sets = 120 / test::thinning();
   for (const std::string_view kind : kinds)
     for (const double coverage : {1.0, 0.25}) {
       PortableRandom random(seed);

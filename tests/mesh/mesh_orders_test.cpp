@@ -5,8 +5,10 @@
 #include <cmath>
 #include <functional>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -123,13 +125,26 @@ struct Row {
 // 2^-53 · 16 · |P| / (an edge of 1/128), and a hundred times that.
 constexpr double floor_of_rounding = 1e-9;
 
-Order order_of(const Row& row, const AnySurface& surface, double jitter, bool random_diagonals) {
+// The meshes of a surface: all rows measure the same.
+class Samples {
+ public:
+  explicit Samples(const AnySurface& surface) : surface_(surface) {}
+  const Sampled& at(int n, double jitter, bool random_diagonals) {
+    return sampled_.try_emplace({n, jitter, random_diagonals}, surface_, n, jitter, random_diagonals)
+        .first->second;
+  }
+
+ private:
+  const AnySurface& surface_;
+  std::map<std::tuple<int, double, bool>, Sampled> sampled_;
+};
+
+Order order_of(const Row& row, Samples& samples, double jitter, bool random_diagonals) {
   std::vector<double> x, y;
   double greatest = 0;
   for (const int resolution : resolutions) {
-    const Sampled sampled(surface, row.finer * resolution, jitter, random_diagonals);
     std::vector<double> errors;
-    row.measure(sampled, errors);
+    row.measure(samples.at(row.finer * resolution, jitter, random_diagonals), errors);
     const Statistics s = summarise(errors);
     x.push_back(-std::log(resolution));
     y.push_back(std::log(s.rms));
@@ -153,10 +168,11 @@ void expect_order(const Order& found, const Order& expected, const std::string& 
 
 void expect_orders(const char* name, const std::vector<Row>& rows) {
   const AnySurface surface = make_surface(name);
+  Samples samples(surface);
   std::cout << name << ", seed " << seed << ": order regular, jittered, jittered with random diagonals\n";
   for (const Row& row : rows) {
-    const Order regular = order_of(row, surface, 0, false), jittered = order_of(row, surface, 0.15, false),
-                diagonals = order_of(row, surface, 0.15, true);
+    const Order regular = order_of(row, samples, 0, false), jittered = order_of(row, samples, 0.15, false),
+                diagonals = order_of(row, samples, 0.15, true);
     std::cout << "  " << row.what << ": " << words(regular) << ' ' << words(jittered) << ' '
               << words(diagonals) << '\n';
     const std::string what = std::string(name) + ", " + row.what;

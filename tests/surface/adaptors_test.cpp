@@ -258,7 +258,9 @@ TEST(GaussBonnet, HoldsOnClosedSurfacesAndTheirOffsets) {
                                        Offset{bottle, 0.03125},
                                        Placed{round, rotation, {1, 2, 3}},
                                        Placed{Offset{round, 0.25}, mirror, {1, 2, 3}}};
+  int i = 1;  // not the offset Klein bottle, which takes as long as all others
   for (const AnySurface& s : closed) {
+    if (!is_taken(i++)) continue;
     const std::vector<Check> checks = check_surface(s, {.points = 20, .routes = {"gauss_bonnet"}});
     ASSERT_EQ(checks.size(), 1U);
     EXPECT_EQ(checks[0].points, 1) << s.info().name << ' ' << checks[0].skipped;
