@@ -88,6 +88,16 @@ std::string in_own_words(const CLI::App* sub, const std::string& text) {
   return text;
 }
 
+// What the library says of an argument, by the name of the option that it came from: "--methods: expected
+// ..." for "method: expected ...".
+std::string by_option(const std::vector<CLI::App*>& parsed, const std::string& text) {
+  const std::string name = text.substr(0, text.find(": "));
+  for (const CLI::App* sub : parsed)
+    for (const std::string& option : {"--" + name, "--" + name + 's'})
+      if (sub->get_option_no_throw(option) != nullptr) return option + text.substr(name.size());
+  return text;
+}
+
 int report(const std::string& message, int status) {
   print_error(message);
   return status;
@@ -168,6 +178,8 @@ int run(int argc, char** argv) {
         : left_over ? darboux::unexpected(*parsed[0])
                     : darboux::in_own_words(parsed.empty() ? nullptr : parsed[0], e.what());
     return darboux::report("command line: " + what + ", see darboux " + command + "--help", 2);
+  } catch (const darboux::ParameterError& e) {
+    return darboux::report(darboux::by_option(app.get_subcommands(), e.what()), 2);
   }
 }
 

@@ -5,8 +5,8 @@
 #include <array>
 
 #include "call.h"
+#include "output_stages.h"
 #include "scalar_fallback.h"
-#include "stages.h"
 #include "statuses.h"
 
 namespace darboux::evaluation {

@@ -10,7 +10,7 @@
 #include <darboux/scene.h>
 
 #include "surface_tiles.h"
-#include "tile_tests.h"
+#include "tile_culling.h"
 
 namespace darboux {
 

@@ -4,7 +4,7 @@
 #include <darboux/scene.h>
 
 #include "occlusion.h"
-#include "tile_tests.h"
+#include "tile_culling.h"
 #include "view.h"
 
 namespace darboux {

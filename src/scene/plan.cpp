@@ -16,7 +16,7 @@
 #include "mesh_parts.h"
 #include "occlusion.h"
 #include "surface_tiles.h"
-#include "tile_tests.h"
+#include "tile_culling.h"
 #include "visited_tiles.h"
 
 namespace darboux {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "kept_answers.h"
-#include "tile_tests.h"
+#include "tile_culling.h"
 
 namespace darboux {
 

@@ -9,7 +9,7 @@
 #include <darboux/error.h>
 #include <darboux/sample_mesh.h>
 
-#include "random_shapes.h"
+#include "random_meshes.h"
 #include "thinning.h"
 
 namespace darboux::declared_surfaces_test {

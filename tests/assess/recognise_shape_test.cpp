@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "assess/shape.h"
-#include "random_shapes.h"
+#include "random_meshes.h"
 
 namespace darboux::recognise_shape_test {
 namespace {

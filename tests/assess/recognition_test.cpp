@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "random_shapes.h"
+#include "random_meshes.h"
 #include "thinning.h"
 
 namespace darboux::recognition_test {

@@ -15,7 +15,7 @@
 #include <darboux/sample_mesh.h>
 
 #include "append_mesh.h"
-#include "random_shapes.h"
+#include "random_meshes.h"
 
 namespace darboux::smooth_shaded_test {
 namespace {

@@ -12,7 +12,7 @@
 #include <darboux/from_position.h>
 #include <darboux/sample_mesh.h>
 
-#include "random_shapes.h"
+#include "random_meshes.h"
 #include "thinning.h"
 
 namespace darboux::wavy_meshes_test {

@@ -5,7 +5,7 @@
 
 #include "cli.h"
 #include "fbx_files.h"
-#include "random_shapes.h"
+#include "random_meshes.h"
 
 namespace darboux::test::mesh_files_test {
 namespace {

@@ -280,7 +280,7 @@ class Workshop:
         (self.folder / "shared.h").write_text(PRECOMPILED)
         self.objects = []
         # All that the tests need.
-        formulas = (ROOT / "src/surface/multiprecision.cpp", ROOT / "src/surface/surface.cpp", HERE / "no_batches.cpp")
+        formulas = (ROOT / "src/surface/multiprecision.cpp", ROOT / "src/surface/refusals.cpp", HERE / "no_batches.cpp")
         for source in (HERE / "check_mutant.cpp", ROOT / "src/laws/testing.cpp", *sorted((ROOT / "src/laws").glob("*.cpp")),
                        *formulas):
             tell(f"compiling {source.name}")

@@ -9,7 +9,7 @@ trap 'rm -rf "$work"' EXIT
 grep -qw fma /proc/cpuinfo || { echo "this machine has no FMA: nothing would be contracted" >&2; exit 1; }
 build() {  # build NAME OPTION...
   "$compiler" -std=c++20 "${@:2}" -Iinclude -Isurfaces -Isrc -isystem /usr/include/eigen3 tests/statistics/contraction.cpp \
-    src/surface/surface.cpp -o "$work/$1"
+    src/surface/refusals.cpp -o "$work/$1"
 }
 build plain -O2 -ffp-contract=off
 build contracted -O3 -march=native -DEIGEN_MAX_ALIGN_BYTES=16 -DEIGEN_MALLOC_ALREADY_ALIGNED=1

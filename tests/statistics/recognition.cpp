@@ -11,7 +11,7 @@
 
 #include <unistd.h>
 
-#include "random_shapes.h"
+#include "random_meshes.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-// Typed tests over the catalogue, and random parameters for any surface in it.
+// Typed tests over the catalogue.
 #pragma once
 
 #include <ostream>
@@ -8,8 +8,6 @@
 
 #include <darboux/any_surface.h>
 #include <darboux/catalogue.h>
-
-#include "random.h"
 
 namespace darboux {
 

@@ -1,5 +1,5 @@
 // The table of an instruction set, baseline, AVX2 or AVX-512; compiled once for each; DARBOUX_ISA names this
-// one. Everything but the table has internal linkage.
+// one. Everything but the table has internal linkage. Its kernels: surface_kernels.h, batch_loop.h.
 #include "index_in_catalogue.h"
 #include "kernel_list.h"
 #include "lanes.h"

@@ -1,4 +1,4 @@
-/// \file random_shapes.h
+/// \file random_meshes.h
 /// Meshes like those that people have, some of them surfaces of the catalogue and some not: they test what
 /// recognition claims.
 #pragma once

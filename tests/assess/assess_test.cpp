@@ -16,7 +16,7 @@
 
 #include "random_pose.h"
 
-namespace darboux::validate_test {
+namespace darboux::assess_test {
 namespace {
 
 std::vector<AnySurface> fitted_surfaces() {
@@ -417,4 +417,4 @@ TEST_F(OtherTools, EqualAnIndependentComputation) {
 }
 
 }  // namespace
-}  // namespace darboux::validate_test
+}  // namespace darboux::assess_test

@@ -13,7 +13,7 @@
 #include "random_pose.h"
 #include "second_shapes.h"
 
-namespace darboux::validate_statistics_test {
+namespace darboux::statistics_test {
 namespace {
 
 using namespace test;
@@ -215,4 +215,4 @@ TEST(ValidateStatistics, OfTheOraclesSoup) {
 }
 
 }  // namespace
-}  // namespace darboux::validate_statistics_test
+}  // namespace darboux::statistics_test

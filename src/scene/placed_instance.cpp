@@ -1,4 +1,4 @@
-#include "placed.h"
+#include "placed_instance.h"
 
 #include <cmath>
 #include <string>

@@ -1,4 +1,4 @@
-#include "tile_tests.h"
+#include "tile_culling.h"
 
 #include <algorithm>
 #include <cmath>

@@ -15,7 +15,7 @@
 #include "random_pose.h"
 #include "refusal_of.h"
 
-namespace darboux::validate_uncertainty_test {
+namespace darboux::uncertainty_test {
 namespace {
 
 constexpr double degrees = 180 / std::numbers::pi;
@@ -415,4 +415,4 @@ TEST(ValidateUncertainty, LocalTruthOfParts) {
 }
 
 }  // namespace
-}  // namespace darboux::validate_uncertainty_test
+}  // namespace darboux::uncertainty_test

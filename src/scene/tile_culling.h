@@ -7,7 +7,7 @@
 
 #include <darboux/scene.h>
 
-#include "placed.h"
+#include "placed_instance.h"
 #include "surface_tiles.h"
 #include "view.h"
 

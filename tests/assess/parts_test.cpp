@@ -15,7 +15,7 @@
 #include "append_mesh.h"
 #include "random_pose.h"
 
-namespace darboux::validate_parts_test {
+namespace darboux::parts_test {
 namespace {
 
 bool has(const MeshReport& report, std::string_view code) {
@@ -343,4 +343,4 @@ TEST_F(OtherPeople, ACappedCylinderIsOneAndTwoDisks) {
 }
 
 }  // namespace
-}  // namespace darboux::validate_parts_test
+}  // namespace darboux::parts_test

@@ -14,7 +14,7 @@
 
 #include "append_mesh.h"
 
-namespace darboux::validate_exotic_input_test {
+namespace darboux::exotic_input_test {
 namespace {
 
 constexpr double inf = std::numeric_limits<double>::infinity();
@@ -380,4 +380,4 @@ TEST(ValidateExoticInput, NoDeclarationFitsABentMesh) {
 }
 
 }  // namespace
-}  // namespace darboux::validate_exotic_input_test
+}  // namespace darboux::exotic_input_test
