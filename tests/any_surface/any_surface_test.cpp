@@ -12,6 +12,7 @@
 #include <darboux/testing.h>
 
 #include "every_surface.h"
+#include "random.h"
 #include "refusal_of.h"
 
 namespace darboux::test::any_surface_test {

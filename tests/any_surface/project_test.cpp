@@ -9,6 +9,7 @@
 #include <darboux/shape_operator.h>
 
 #include "every_surface.h"
+#include "random.h"
 #include "random_pose.h"
 
 namespace darboux::test::project_test {

@@ -16,6 +16,7 @@
 #include <darboux/triangle.h>
 
 #include "every_surface.h"
+#include "random.h"
 
 namespace darboux::test::polygons_test {
 namespace {

@@ -22,6 +22,7 @@
 #include <darboux/evaluate.h>
 
 #include "every_surface.h"
+#include "random.h"
 
 // Counts what is allocated, by all of this program.
 namespace {

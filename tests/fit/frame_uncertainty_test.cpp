@@ -11,6 +11,7 @@
 #include <darboux/shape_operator.h>
 
 #include "every_surface.h"
+#include "random.h"
 #include "random_pose.h"
 
 namespace darboux::test::frame_uncertainty_test {

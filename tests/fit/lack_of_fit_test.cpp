@@ -11,6 +11,7 @@
 #include <darboux/fit_points.h>
 
 #include "every_surface.h"
+#include "random.h"
 #include "thinning.h"
 
 namespace darboux::test::lack_of_fit_test {

@@ -20,6 +20,7 @@
 #include <darboux/tube.h>
 
 #include "every_surface.h"
+#include "random.h"
 #include "thinning.h"
 
 namespace darboux::test::laws_test {

@@ -11,6 +11,7 @@
 #include <darboux/frame.h>
 
 #include "every_surface.h"
+#include "random.h"
 
 namespace darboux::test::scene_picture_test {
 namespace {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "every_surface.h"
+#include "random.h"
 
 namespace darboux::test::interval_test {
 namespace {

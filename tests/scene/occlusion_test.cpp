@@ -12,6 +12,7 @@
 #include <darboux/scene.h>
 
 #include "every_surface.h"
+#include "random.h"
 #include "random_scene.h"
 
 namespace darboux::test::occlusion_test {

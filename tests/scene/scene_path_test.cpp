@@ -11,6 +11,7 @@
 #include <darboux/scene.h>
 
 #include "every_surface.h"
+#include "random.h"
 #include "random_scene.h"
 #include "scene/surface_tiles.h"
 

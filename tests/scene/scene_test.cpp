@@ -17,6 +17,7 @@
 
 #include "base/linear_algebra.h"
 #include "every_surface.h"
+#include "random.h"
 #include "random_scene.h"
 #include "refusal_of.h"
 

@@ -10,6 +10,7 @@
 #include <darboux/ellipsoid.h>
 
 #include "every_surface.h"
+#include "random.h"
 
 namespace darboux::test::surface_tiles_test {
 namespace {

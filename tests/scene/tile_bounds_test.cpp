@@ -17,6 +17,7 @@
 #include <darboux/tile_bounds.h>
 
 #include "every_surface.h"
+#include "random.h"
 
 namespace darboux::test::tile_bounds_test {
 namespace {

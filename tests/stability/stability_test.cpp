@@ -15,6 +15,7 @@
 #include <darboux/stability.h>
 
 #include "every_surface.h"
+#include "random.h"
 #include "thinning.h"
 
 namespace darboux::test::stability_test {

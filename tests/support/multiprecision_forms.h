@@ -12,6 +12,7 @@
 #include <darboux/forms.h>
 
 #include "every_surface.h"
+#include "random.h"
 #include "roundoff.h"
 
 namespace darboux::test {

@@ -8,6 +8,7 @@
 #include <darboux/scene.h>
 
 #include "every_surface.h"
+#include "random.h"
 
 namespace darboux::test {
 

@@ -17,6 +17,7 @@
 
 #include "estimate_quality.h"
 #include "every_surface.h"
+#include "random.h"
 
 namespace darboux::test::differentiate_surfaces_test {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "estimate_quality.h"
 #include "every_surface.h"
+#include "random.h"
 
 namespace darboux::test::differentiate_test {
 namespace {

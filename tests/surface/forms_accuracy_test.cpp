@@ -20,6 +20,7 @@
 #include "any_surface/all_compiled_models.h"
 #include "every_surface.h"
 #include "multiprecision.h"
+#include "random.h"
 
 namespace darboux::test::forms_accuracy_test {
 namespace {

@@ -10,6 +10,7 @@
 #include "base/linear_algebra.h"
 #include "every_surface.h"
 #include "multiprecision.h"
+#include "random.h"
 
 namespace darboux::test::frame_test {
 namespace {

@@ -13,6 +13,7 @@
 
 #include "every_surface.h"
 #include "multiprecision.h"
+#include "random.h"
 
 namespace darboux::test::ill_conditioned_test {
 namespace {

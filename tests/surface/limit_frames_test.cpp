@@ -16,6 +16,7 @@
 
 #include "every_surface.h"
 #include "expect_limit.h"
+#include "random.h"
 
 namespace darboux::test::limit_frames_test {
 namespace {

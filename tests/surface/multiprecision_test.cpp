@@ -10,6 +10,7 @@
 #include <darboux/multiprecision.h>
 
 #include "every_surface.h"
+#include "random.h"
 
 namespace darboux::test::multiprecision_test {
 namespace {

@@ -17,6 +17,7 @@
 #include <darboux/shape_operator.h>
 
 #include "every_surface.h"
+#include "random.h"
 
 namespace darboux::test::point_test {
 namespace {

@@ -16,6 +16,7 @@
 #include "archetype.h"
 #include "every_surface.h"
 #include "multiprecision.h"
+#include "random.h"
 #include "thinning.h"
 
 namespace darboux::test::scalar_test {

@@ -23,6 +23,7 @@
 
 #include "compare_frames.h"
 #include "every_surface.h"
+#include "random.h"
 
 namespace darboux::test::spline_test {
 namespace {
