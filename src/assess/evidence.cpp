@@ -141,6 +141,16 @@ std::size_t folded(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d
   return list.size();
 }
 
+// The number of different heights of the positions along the axis of the placement. A parabola goes through
+// any two of them.
+std::size_t heights(const Mesh& mesh, const Shape& shape, const Eigen::Isometry3d& placement) {
+  const Eigen::Isometry3d back = placement.inverse();
+  std::vector<double> result;
+  for (const std::size_t i : evenly_chosen(shape.places.size(), looked_at))
+    result.push_back((back * to_eigen(mesh.positions[shape.places[i]])).z());
+  return different(std::move(result), same * shape.size);
+}
+
 // The number of different edge lengths on the unit ball whose image the surface is.
 std::size_t lengths(const Mesh& mesh, const Shape& shape, const MeshFit& fit) {
   Eigen::Vector3d axes = Eigen::Vector3d::Ones();
@@ -242,9 +252,9 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
     result.text = "it explains the positions only " + rounded(explained, 2) + " times as well as a plane";
     return result;
   }
+  const Eigen::Isometry3d& placement = fit.surface.placement;
   // Positions: spare orbits.
   Orbits orbits;
-  const Eigen::Isometry3d& placement = fit.surface.placement;
   if (prior.symmetry == Symmetry::axis) {
     orbits = rings(mesh, shape, placement);
   } else {
@@ -292,6 +302,13 @@ Evidence evidence_for(const Mesh& mesh, const Shape& shape, const MeshFit& fit) 
     }
   } else if (faceted) {
     normals = -4;
+  }
+  if (prior.kind == SurfaceKind::elliptic_paraboloid && !(normals > 0) &&
+      heights(mesh, shape, placement) < 3) {
+    result.log10_odds = -10;
+    result.rival = "cone";
+    result.text = name + ": its positions lie at fewer than three heights, as those of a cone do";
+    return result;
   }
   // Without normals and its own uvs nothing would be compared with the surface, so positions alone must give
   // more evidence.

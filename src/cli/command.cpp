@@ -266,15 +266,15 @@ void print_json(const Json& json) {
   std::cout << json_text(json) << '\n';
 }
 
-Progress::Progress(std::string label, const Common& common) : label_(std::move(label)) {
-  if (common.quiet || ::isatty(STDERR_FILENO) == 0) return;
+Progress::Progress(std::string label, const Common& common, bool shown) : label_(std::move(label)) {
+  if (!shown || common.quiet || ::isatty(STDERR_FILENO) == 0) return;
   try {
     drawer_ = std::jthread([this](const std::stop_token& stop) { draw(stop); });
   } catch (const std::system_error&) {  // no thread is left for it: no bar
   }
 }
 
-void Progress::draw(const std::stop_token& stop) const {
+void Progress::draw(const std::stop_token& stop) const noexcept {
   using namespace std::chrono_literals;
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
@@ -287,11 +287,13 @@ void Progress::draw(const std::stop_token& stop) const {
   if (stops_within(500ms)) return;
   do {
     constexpr int width = 40;
+    static constexpr char done[] = "########################################",
+                          left[] = "........................................";
     const double share = std::fmin(1, std::fmax(0, share_));
     const int filled = static_cast<int>(std::lround(width * share));
-    std::fprintf(stderr, "\r%s [%s%s] %3.0f %%, %.0f s", label_.c_str(), std::string(filled, '#').c_str(),
-                 std::string(width - filled, '.').c_str(), 100 * share,
-                 std::chrono::duration<double>(Clock::now() - start).count());
+    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+    std::fprintf(stderr, "\r%s [%.*s%.*s] %3.0f %%, %.0f s", label_.c_str(), filled, done, width - filled,
+                 left, 100 * share, std::floor(seconds));
   } while (!stops_within(200ms));
   std::fputs("\r\033[K", stderr);
 }

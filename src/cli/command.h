@@ -163,12 +163,13 @@ void print_json(const Json& json);
 /// one large file. It is drawn only on a terminal, not with --quiet, and not during the first half second.
 class Progress {
  public:
-  Progress(std::string label, const Common& common);
+  /// \param shown false where the terminal may show something else meanwhile: a pager, what is typed
+  Progress(std::string label, const Common& common, bool shown = true);
   /// \param share fraction done, in [0, 1]
   void update(double share) { share_ = share; }
 
  private:
-  void draw(const std::stop_token& stop) const;
+  void draw(const std::stop_token& stop) const noexcept;
 
   std::string label_;
   std::atomic<double> share_{0};

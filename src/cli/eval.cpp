@@ -3,6 +3,8 @@
 #include <tuple>
 #include <utility>
 
+#include <unistd.h>
+
 #include <darboux/io.h>
 
 #include "base/extension.h"
@@ -140,8 +142,10 @@ void run_eval(const EvalArguments& arguments, const Common& common) {
   else if (!arguments.input_format.empty())
     throw ParameterError("--input-format", expected_got("--input FILE with it", "none"));
 
-  OutputFile file(arguments.output.empty() ? "-" : arguments.output);
-  Progress progress("eval", common);
+  const std::string file_name = arguments.output.empty() ? "-" : arguments.output;
+  OutputFile file(file_name);
+  const bool typed = arguments.input == "-" && ::isatty(STDIN_FILENO) != 0;
+  Progress progress("eval", common, !is_standard_output(file_name) && !typed);
   if (input && options.format == FrameFormat::npy) {
     input = counted(std::move(input), progress);
     options.points = *input->count();

@@ -88,13 +88,15 @@ std::string in_own_words(const CLI::App* sub, const std::string& text) {
   return text;
 }
 
-// What the library says of an argument, by the name of the option that it came from: "--methods: expected
+// What the library says of an argument, by the name of the option that was given for it: "--methods: expected
 // ..." for "method: expected ...".
 std::string by_option(const std::vector<CLI::App*>& parsed, const std::string& text) {
   const std::string name = text.substr(0, text.find(": "));
   for (const CLI::App* sub : parsed)
-    for (const std::string& option : {"--" + name, "--" + name + 's'})
-      if (sub->get_option_no_throw(option) != nullptr) return option + text.substr(name.size());
+    for (const std::string& known : {"--" + name, "--" + name + 's'})
+      if (const CLI::Option* option = sub->get_option_no_throw(known);
+          option != nullptr && option->count() > 0)
+        return known + text.substr(name.size());
   return text;
 }
 

@@ -33,12 +33,12 @@ class CameraWay {
   std::optional<Camera> last_;
 };
 
-// Caches the answers of TileTests. The answers for an instance are valid until the camera path exceeds the
+// Caches the answers of TileCulling. The answers for an instance are valid until the camera path exceeds the
 // smallest of their limits; then those whose own limit is exceeded are computed again.
 class KeptAnswers {
  public:
   // \param keeps answers from one camera to the next
-  KeptAnswers(TileTests& tests, bool keeps) : tests_(tests), keeps_(keeps) {}
+  KeptAnswers(TileCulling& tests, bool keeps) : tests_(tests), keeps_(keeps) {}
 
   // Sets the next camera. Returns whether cached answers may be used.
   bool go_to(const Camera& camera, std::size_t instances);
@@ -55,7 +55,7 @@ class KeptAnswers {
     darboux::prefetch(answers_.data() + kept_[instance].first, kept_[instance].count * sizeof(Answer));
   }
 
-  // Selects the instance for the following questions. \throws ParameterError as TileTests::begin()
+  // Selects the instance for the following questions. \throws ParameterError as TileCulling::begin()
   void begin(std::uint32_t instance, SurfaceTiles& tiles);
   // Computes again the answers that may have changed. Returns whether none did.
   bool still_hold();
@@ -63,7 +63,7 @@ class KeptAnswers {
   void start();
   void finish();
 
-  // As those of TileTests.
+  // As those of TileCulling.
   bool outside(std::uint32_t node, std::uint8_t& planes) {
     return keeps_ ? ask_outside(node, planes) : tests_.outside(node, planes);
   }
@@ -109,7 +109,7 @@ class KeptAnswers {
   Resolution ask_resolution(std::uint32_t node);
   void drop_old();
 
-  TileTests& tests_;
+  TileCulling& tests_;
   bool keeps_;
   CameraWay way_;
   std::vector<Kept> kept_;  // of all instances

@@ -48,7 +48,7 @@ namespace {
 
 class MeshPlanner {
  public:
-  MeshPlanner(const Scene& scene, const SceneRequest& request, const TileTests& tests,
+  MeshPlanner(const Scene& scene, const SceneRequest& request, const TileCulling& tests,
               const Occlusion& occlusion, ScenePlan& plan)
       : scene_(scene), request_(request), tests_(tests), occlusion_(occlusion), plan_(plan) {}
 
@@ -60,7 +60,7 @@ class MeshPlanner {
 
   const Scene& scene_;
   const SceneRequest& request_;
-  const TileTests& tests_;
+  const TileCulling& tests_;
   const Occlusion& occlusion_;
   ScenePlan& plan_;
 };
@@ -117,7 +117,7 @@ void MeshPlanner::add(std::uint32_t index, std::uint32_t number, std::vector<boo
 
 }  // namespace
 
-void plan_mesh_parts(const Scene& scene, const SceneRequest& request, const TileTests& tests,
+void plan_mesh_parts(const Scene& scene, const SceneRequest& request, const TileCulling& tests,
                      const Occlusion& occlusion, ScenePlan& plan) {
   MeshPlanner planner(scene, request, tests, occlusion, plan);
   std::vector<std::vector<bool>> known(scene.meshes.size());

@@ -18,7 +18,7 @@ bool faces_away(const SceneMeshPart& part, const Eigen::Affine3d& placement, con
 // Adds the needed parts of the scene's meshes to a plan, each part of an instance as one tile. Nothing is
 // evaluated for them. \throws ParameterError for an unknown mesh or material, or a placement that is not
 // finite
-void plan_mesh_parts(const Scene& scene, const SceneRequest& request, const TileTests& tests,
+void plan_mesh_parts(const Scene& scene, const SceneRequest& request, const TileCulling& tests,
                      const Occlusion& occlusion, ScenePlan& plan);
 
 }  // namespace darboux

@@ -82,7 +82,7 @@ class ScenePlanner::Planner {
   SceneRequest request_;
   bool keeps_;
   std::vector<std::unique_ptr<SurfaceTiles>> tiles_;
-  TileTests tests_{scene_, request_, keeps_};
+  TileCulling tests_{scene_, request_, keeps_};
   KeptAnswers answers_{tests_, keeps_};
   VisitedTiles visited_{tests_, answers_};  // of the current instance
 

@@ -64,7 +64,7 @@ double interpolation_angle(const TileRates& r, bool of_tangents, double du, doub
 
 }  // namespace
 
-TileTests::TileTests(const Scene& scene, const SceneRequest& request, bool wants_slack)
+TileCulling::TileCulling(const Scene& scene, const SceneRequest& request, bool wants_slack)
     : scene_(scene),
       request_(request),
       wants_slack_(wants_slack),
@@ -74,11 +74,11 @@ TileTests::TileTests(const Scene& scene, const SceneRequest& request, bool wants
       without_tangents_ |= x;
 }
 
-bool TileTests::bounds_frames(Attributes asked) const {
+bool TileCulling::bounds_frames(Attributes asked) const {
   return asked.has_any(frame_attributes) && request_.frame_angle_rad < std::numbers::pi;
 }
 
-void TileTests::look(const Camera& camera) {
+void TileCulling::look(const Camera& camera) {
   view_ = View(camera);
   const bool by_distance = view_.perspective() && std::isfinite(request_.chord_px);
   const double pixels = view_.length_of(request_.chord_px, 1);
@@ -86,13 +86,13 @@ void TileTests::look(const Camera& camera) {
   chord_ = by_distance ? request_.chord : std::fmin(request_.chord, pixels);
 }
 
-double TileTests::rounding() const {
+double TileCulling::rounding() const {
   return placed_.condition *
          (0x1p-40 * (view_.distance_of_eye() + 2 * placed_.farthest + view_.near_distance()) +
           0x1p8 * placed_.plane_rounding);
 }
 
-void TileTests::begin(std::uint32_t index, SurfaceTiles& tiles) {
+void TileCulling::begin(std::uint32_t index, SurfaceTiles& tiles) {
   const SceneMaterial& material = scene_.materials[scene_.instances[index].material];
   tiles_ = &tiles;
   place(scene_, index, tiles, view_, placed_);
@@ -110,7 +110,7 @@ void TileTests::begin(std::uint32_t index, SurfaceTiles& tiles) {
 }
 
 // Every tile of the finest resolution.
-void TileTests::find_resolutions() {
+void TileCulling::find_resolutions() {
   nearest_ = nearest_distance();
   local_chord_ = chord_ / placed_.largest;
   local_chord_per_distance_ = chord_per_distance_ / placed_.largest;
@@ -130,7 +130,7 @@ void TileTests::find_resolutions() {
 }
 
 // From the eye to the surface, in the scene; anything nearer than the near plane is invisible.
-double TileTests::nearest_distance() {
+double TileCulling::nearest_distance() {
   whole_.by_tiles = false;
   if (!view_.perspective()) return infinity;
   const auto [nearest, by_tiles, way_to_jump] = tiles_->distance(placed_.eye);
@@ -142,7 +142,7 @@ double TileTests::nearest_distance() {
 }
 
 // The number of cells that a tile needs at a distance from the eye, for its chords and for its frames.
-TileLevels TileTests::cells_needed(double distance, const TileRates& rates, const ChordLevels& chords,
+TileLevels TileCulling::cells_needed(double distance, const TileRates& rates, const ChordLevels& chords,
                                    const TilePlace& place, FrameLevels& kept) {
   const double condition = placed_.condition;
   TileLevels result;
@@ -181,7 +181,7 @@ TileLevels TileTests::cells_needed(double distance, const TileRates& rates, cons
 }
 
 // Whether a tile lies entirely outside a plane of the frustum. Tests its box first, then the tile itself.
-bool TileTests::outside(std::uint32_t index, std::uint8_t& planes) {
+bool TileCulling::outside(std::uint32_t index, std::uint8_t& planes) {
   const Placed& placed = placed_;
   const TileNode& node = (*tiles_)[index];
   const double margin = placed.displacement + placed.plane_rounding;
@@ -212,7 +212,7 @@ bool TileTests::outside(std::uint32_t index, std::uint8_t& planes) {
   return false;
 }
 
-bool TileTests::faces_away(std::uint32_t index) {
+bool TileCulling::faces_away(std::uint32_t index) {
   const bool perspective = view_.perspective();
   // Most tiles have a point that proves the contrary. Bounds would only add the slack.
   if (!wants_slack_ && tiles_->facing_point(index, placed_.eye).faces(placed_.eye, perspective)) return false;
@@ -229,7 +229,7 @@ bool TileTests::faces_away(std::uint32_t index) {
   return facing < 0;
 }
 
-Resolution TileTests::resolution(std::uint32_t index) {
+Resolution TileCulling::resolution(std::uint32_t index) {
   const Placed& placed = placed_;
   SurfaceTiles& tiles = *tiles_;
   const TileNode& node = tiles[index];

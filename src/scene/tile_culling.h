@@ -49,10 +49,10 @@ struct InstanceView {
   bool operator==(const InstanceView&) const = default;
 };
 
-class TileTests {
+class TileCulling {
  public:
   // \param wants_slack whether the slack is used
-  TileTests(const Scene& scene, const SceneRequest& request, bool wants_slack);
+  TileCulling(const Scene& scene, const SceneRequest& request, bool wants_slack);
 
   void look(const Camera& camera);
   // Selects the instance for the following tests. \throws ParameterError as place()

@@ -45,7 +45,7 @@ class VisitedTiles {
     std::vector<double> coordinates;
   };
 
-  VisitedTiles(TileTests& tests, KeptAnswers& answers) : tests_(tests), answers_(answers) {}
+  VisitedTiles(TileCulling& tests, KeptAnswers& answers) : tests_(tests), answers_(answers) {}
 
   // Visits the tiles of the selected instance, from the largest down to the coarsest that suffice.
   TileCounts visit();
@@ -62,7 +62,7 @@ class VisitedTiles {
   void find_edges(const Visited& tile);
   void search(const EdgeSearch& edge);
 
-  TileTests& tests_;
+  TileCulling& tests_;
   KeptAnswers& answers_;
   std::vector<Visited> visited_;
   TileLevels finest_;                 // of the cells of all tiles, or finer, in powers of two of the chart

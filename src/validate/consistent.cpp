@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "angles.h"
+#include "baked_scale.h"
 #include "base/degrees.h"
 #include "corner_cones.h"
 #include "mikktspace_comparison.h"
@@ -32,6 +34,24 @@ Vec3<double> direction_of_dpdu(const Mesh& mesh, const Triangle& t, int sign) {
 Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std::vector<bool>& has_area,
              const VertexJoins& joins, const MikktspaceReference& mikktspace,
              std::span<const double> limit_deg, double max_angle_deg) {
+  assess(mesh, raw_sign, has_area, joins, mikktspace, limit_deg, max_angle_deg);
+  hold_if_turned(max_angle_deg);
+  const auto beyond = count(Claim::beyond);
+  if (turn_ || beyond == 0) return;
+  if (const auto unscaled = before_baked_scale(mesh, raw_sign, has_area, max_angle_deg)) {
+    Cones before;
+    before.assess(*unscaled, raw_sign, has_area, joins, {}, limit_deg, max_angle_deg);
+    if (before.count(Claim::beyond) < beyond) *this = std::move(before);
+  }
+}
+
+std::ptrdiff_t Cones::count(Claim claim) const {
+  return std::count(claims_.begin(), claims_.end(), claim);
+}
+
+void Cones::assess(const Mesh& mesh, std::span<const signed char> raw_sign, const std::vector<bool>& has_area,
+                   const VertexJoins& joins, const MikktspaceReference& mikktspace,
+                   std::span<const double> limit_deg, double max_angle_deg) {
   const std::size_t n = mesh.positions.size();
   claims_.assign(2 * n, Claim::none);
   std::vector<bool> asked(2 * n, false), vertices(n, false);
@@ -79,12 +99,10 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
                             static_cast<float>(degrees_per_radian * left->half)});
     }
   leave_out_mikktspaces(mesh, raw_sign, mikktspace, limit_deg);
-  const auto beyond = std::count(claims_.begin(), claims_.end(), Claim::beyond),
-             within = std::count(claims_.begin(), claims_.end(), Claim::within);
+  const auto beyond = count(Claim::beyond), within = count(Claim::within);
   if (!scaled.empty() && static_cast<double>(beyond) <= most_scaled * static_cast<double>(beyond + within) &&
       may_be_scaled(mesh, raw_sign, mikktspace))
     for (const std::size_t place : scaled) claims_[place] = Claim::none;
-  hold_if_turned(max_angle_deg);
 }
 
 void Cones::leave_out_mikktspaces(const Mesh& mesh, std::span<const signed char> raw_sign,
@@ -100,7 +118,7 @@ void Cones::leave_out_mikktspaces(const Mesh& mesh, std::span<const signed char>
 
 void Cones::hold_if_turned(double max_angle_deg) {
   turn_.reset();
-  auto within = std::count(claims_.begin(), claims_.end(), Claim::within);
+  auto within = count(Claim::within);
   for (const Outside& o : outside_) within -= claims_[o.place] == Claim::within ? 1 : 0;
   const double known = static_cast<double>(within) + static_cast<double>(outside_.size());
   if (outside_.size() < least_turned || static_cast<double>(outside_.size()) < nearly_all * known) return;

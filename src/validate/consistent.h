@@ -31,6 +31,9 @@
 //   lean are MikkTSpace's. A scale may have been baked into the positions, with tangents scaled alike and
 //   normals by the inverse transpose: this moves few averages out of the cone that the scaled triangles span
 //
+// A scale that was baked in, with tangents and normals scaled as they should be, is undone where the tangents
+// tell it (baked_scale.h): the claims are those of the mesh before it.
+//
 // One turn of all overrides this. Suppose one turn about the normals, by 30 degrees or more, would bring nine
 // tenths of a mesh's or a part's tangents from outside their cones to within the limit of them. No shape
 // explains that, but a turn does, so the tangents left open are beyond the limit, too. For tangents left
@@ -39,11 +42,13 @@
 // such averages do not all turn the same way.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "angles.h"
 #include "claim.h"
 #include "mesh/vertex_joins.h"
 #include "mikktspace_reference.h"
@@ -58,6 +63,13 @@ inline std::size_t signed_index(std::uint32_t v, int sign) {
 // A vector along a triangle's dpdu, scaled to ordinary size; zero or NaN where there is none. \param sign its
 // raw sign
 Vec3<double> direction_of_dpdu(const Mesh& mesh, const Triangle& t, int sign);
+
+// Whether the direction leans by 5 degrees or more from the plane perpendicular to n, so that a scale would
+// turn its projection.
+inline bool leans(const Vec3<double>& direction, const Vec3<double>& n) {
+  constexpr double least = 0.09;  // the tangent of 5 degrees
+  return std::fabs(dot(direction, unit(n))) >= least * norm(square_to(direction, n));
+}
 
 class Cones {
  public:
@@ -91,6 +103,11 @@ class Cones {
     std::uint32_t place;  // in claims_
     float deg, middle, half;
   };
+  // Sets the claims, without looking for one turn of all.
+  void assess(const Mesh& mesh, std::span<const signed char> raw_sign, const std::vector<bool>& has_area,
+              const VertexJoins& joins, const MikktspaceReference& mikktspace,
+              std::span<const double> limit_deg, double max_angle_deg);
+  std::ptrdiff_t count(Claim claim) const;
   // Null where there is none.
   const Outside* outside_at(std::uint32_t place) const;
   // Withdraws claims on tangents that are MikkTSpace's.

@@ -207,6 +207,21 @@ std::string text_of_map(const Eigen::Matrix3d& m, Eigen::Index dimensions, bool 
          (dimensions == 3 ? " : " + rounded(scale[1], 3) : "") + " : 1" + mirrors;
 }
 
+// How many stored vectors beyond the limit differ by a degree and more, up to least_different.
+constexpr std::size_t least_different = 8;
+std::size_t different_off(const std::vector<Pair>& samples) {
+  constexpr double same_deg = 1;
+  std::vector<Vec3<double>> different;
+  for (const Pair& s : samples) {
+    if (different.size() == least_different) break;
+    if (angle_deg(s.stored, s.t) > s.limit &&
+        std::none_of(different.begin(), different.end(),
+                     [&](const Vec3<double>& d) { return angle_deg(d, s.stored) < same_deg; }))
+      different.push_back(s.stored);
+  }
+  return different.size();
+}
+
 // The linear map M of their span that takes the stored vectors to the reference's t, up to their length: the
 // least of sum |T x M t|² at |M| = 1. \returns what it does, where it explains nearly all
 std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, double limit, bool of_normals) {
@@ -223,10 +238,18 @@ std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, doubl
     sum += by.transpose() * by / static_cast<double>(samples.size());
   }
   const auto [least, maps] = symmetric_eigen(sum);
-  // Collinear vectors do not determine M, nor do coplanar references.
+  // Collinear vectors do not determine M, nor do coplanar references. Where many different normals are off,
+  // as those of roofs whose ridges are parallel, it is the one nearest to the identity.
   constexpr double identifiable = 1e-3;
-  if (!(least[1] > identifiable)) return std::nullopt;
-  const Eigen::VectorXd column = maps.col(0);
+  Eigen::VectorXd column = maps.col(0);
+  if (!(least[1] > identifiable)) {
+    if (!of_normals || different_off(samples) < least_different) return std::nullopt;
+    const Eigen::VectorXd identity = span.reshaped();
+    column.setZero();
+    for (Eigen::Index k = 0; k < least.size() && least[k] <= identifiable; ++k)
+      column += maps.col(k).dot(identity) * maps.col(k);
+    column.normalize();
+  }
   Eigen::Matrix3d m = Eigen::Map<const Eigen::MatrixXd>(column.data(), 3, d) * span.transpose();
   double along = 0;
   for (const Pair& s : samples) along += to_eigen(s.t).dot(m * to_eigen(s.stored));
@@ -269,9 +292,16 @@ std::vector<Vec3<double>> planes_of(const MeshUnderTest& under_test) {
   return result;
 }
 
-// Pairs of stored normal and plane normal for vertices whose triangles all lie in one plane: at hard edges
-// and on facets no other normal is right. Vertices with one place and one normal, as along uv seams, count as
-// one.
+// Whether the normals at the corners of a triangle are n.
+bool has_one_normal(const Mesh& mesh, const Triangle& triangle, const Vec3<double>& n) {
+  constexpr double same_deg = 0.9;  // assimp joins dot products of 0.9999
+  return std::all_of(triangle.begin(), triangle.end(),
+                     [&](std::uint32_t v) { return angle_deg(n, mesh.normals[v]) <= same_deg; });
+}
+
+// Pairs of stored normal and plane normal for vertices whose triangles all lie in one plane, and have one
+// normal each: at hard edges and on facets no other normal is right, and a map leaves equal ones equal.
+// Vertices with one place and one normal, as along uv seams, count as one.
 std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limit) {
   const Mesh& mesh = under_test.mesh;
   const double same_plane = limit / 2;
@@ -282,10 +312,11 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
   std::vector<bool> is_bent(mesh.positions.size(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!under_test.has_area[t]) continue;
+    const bool is_shaded_flat = has_one_normal(mesh, mesh.triangles[t], mesh.normals[mesh.triangles[t][0]]);
     for (const std::uint32_t v : mesh.triangles[t]) {
       const std::uint32_t at = joined[v];
       if (plane[at] == Vec3<double>{}) plane[at] = planes[t];
-      is_bent[at] = is_bent[at] || !(angle_deg(plane[at], planes[t]) <= same_plane);
+      is_bent[at] = is_bent[at] || !is_shaded_flat || !(angle_deg(plane[at], planes[t]) <= same_plane);
     }
   }
   const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / most_samples);
@@ -317,16 +348,17 @@ void for_each_turn(const MeshUnderTest& under_test, const std::vector<Vec3<doubl
 
 constexpr double round_turn = 1.5;  // deviation of exact normals from averages, over that turn
 
-// Removes samples that a curved surface explains: their normals lie between that of the facet and that of a
-// neighbouring triangle that turns little from it, as at a cone's apex, where each column has a vertex of its
-// own; or, at a border, they are off by at most one and a half times that turn.
-std::vector<Pair> without_rounded(const MeshUnderTest& under_test, std::vector<Pair> samples) {
+// Removes samples of facets that are parts of a curved polygon: their normal is that of a neighbouring
+// triangle, too, which turns little, and it lies between the normals of both planes; or, at a border, it is
+// off by at most one and a half times that turn.
+std::vector<Pair> without_polygons(const MeshUnderTest& under_test, std::vector<Pair> samples) {
   constexpr double within_deg = 1;
   const Mesh& mesh = under_test.mesh;
   const std::vector<Vec3<double>> planes = planes_of(under_test);
   std::vector<bool> rounded(mesh.positions.size(), false);
   for_each_turn(under_test, planes, [&](std::uint32_t t, std::uint32_t other, double turn) {
-    if (!(turn <= crease_deg)) return;
+    const Vec3<double>& n = mesh.normals[mesh.triangles[t][0]];
+    if (!(turn <= crease_deg) || !has_one_normal(mesh, mesh.triangles[other], n)) return;
     for (const std::uint32_t v : mesh.triangles[t]) {
       const double off = angle_deg(planes[t], mesh.normals[v]);
       const bool at_border = under_test.classes.of_vertex[v] == VertexClass::border;
@@ -444,7 +476,7 @@ bool diagnose_unknown(const MeshUnderTest& under_test, const ValidateOptions& op
   if (under_test.mesh.normals.empty()) return false;
   const double limit = options.max_angle_deg;
   std::vector<Pair> facets = normals_of_facets(under_test, limit / 5);
-  if (are_off(facets)) facets = without_rounded(under_test, std::move(facets));
+  if (are_off(facets)) facets = without_polygons(under_test, std::move(facets));
   // If facets are few, as along a fold of a curved surface, the other vertices are better evidence.
   constexpr std::size_t least_share = 5;
   if (are_off(facets) && least_share * facets.size() >= std::min(most_samples, drawn_vertices(under_test)) &&
@@ -479,9 +511,10 @@ bool diagnose_tangents(const MeshUnderTest& under_test,
   return map.has_value();
 }
 
-bool diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
-                      const ValidateOptions& options, MeshReport& report) {
-  if (!accurate.known()) return diagnose_unknown(under_test, options, report);
+NormalMistake diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
+                               const ValidateOptions& options, MeshReport& report) {
+  if (!accurate.known())
+    return diagnose_unknown(under_test, options, report) ? NormalMistake::mapped : NormalMistake::none;
   const Mesh& mesh = under_test.mesh;
   const double limit = options.max_angle_deg;
   const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / most_samples);
@@ -492,12 +525,14 @@ bool diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
     const Vec3<double>& n = accurate.truth(vertex).normal;
     samples.push_back({v, unit(mesh.normals[v]), accurate.inward(vertex) ? -n : n, {}, {}, 1, 1, limit});
   }
-  if (samples.size() < least_samples) return false;
-  if (share_within(samples, [](const Pair& s) { return -s.t; }) >= explains_most) return true;
-  if (samples.size() < least_normals) return false;
+  if (samples.size() < least_samples) return NormalMistake::none;
+  if (share_within(samples, [](const Pair& s) { return -s.t; }) >= explains_most)
+    return NormalMistake::negated;
+  if (samples.size() < least_normals) return NormalMistake::none;
   const std::optional<std::string> map = linear_map_of(samples, limit / 5, true);
-  if (map) add(report, finding(Code::normal_stale, mesh.corners(), *map));
-  return map.has_value();
+  if (!map) return NormalMistake::none;
+  add(report, finding(Code::normal_stale, mesh.corners(), *map));
+  return NormalMistake::mapped;
 }
 
 }  // namespace darboux

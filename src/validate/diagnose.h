@@ -1,6 +1,7 @@
 // Diagnoses normals and tangents of which many are wrong: which single mistake explains them all?
 #pragma once
 
+#include <cstdint>
 #include <functional>
 
 #include "accurate.h"
@@ -27,10 +28,11 @@ bool diagnose_tangents(const MeshUnderTest& under_test,
                        const std::function<Directions(std::size_t corner)>& reference,
                        const ValidateOptions& options, bool held, MeshReport& report);
 
-// The same for normals that differ from the surface's: all oppose it while the winding does not, or
-// NORMAL_STALE, after a linear map. Where no surface is known, NORMAL_STALE is found by the planes of facets,
-// else by the neighbours.
-bool diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
-                      const ValidateOptions& options, MeshReport& report);
+// What explains nearly all normals that differ from the surface's: they are negated, or those from before a
+// linear map (adds NORMAL_STALE).
+enum class NormalMistake : std::uint8_t { none, negated, mapped };
+// Where no surface is known, a map is found by the planes of facets, else by the neighbours.
+NormalMistake diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
+                               const ValidateOptions& options, MeshReport& report);
 
 }  // namespace darboux

@@ -148,15 +148,13 @@ std::vector<bool> are_mikktspaces(const Mesh& mesh, std::span<const signed char>
 bool may_be_scaled(const Mesh& mesh, std::span<const signed char> raw_sign,
                    const MikktspaceReference& mikktspace) {
   if (mikktspace.empty()) return true;
-  constexpr double least_lean = 0.09;  // the tangent of 5 degrees
-  constexpr double same_deg = 0.02;    // beyond rounding
+  constexpr double same_deg = 0.02;  // beyond rounding
   std::size_t leaning = 0, same = 0;
   for (std::size_t c = 0; c < mesh.corners(); ++c) {
     const Triangle& triangle = mesh.triangles[c / 3];
     const std::uint32_t v = triangle[c % 3];
     if (raw_sign[c / 3] == 0) continue;
-    const Vec3<double> along = direction_of_dpdu(mesh, triangle, raw_sign[c / 3]), n = unit(mesh.normals[v]);
-    if (!(std::fabs(dot(along, n)) >= least_lean * norm(square_to(along, n)))) continue;
+    if (!leans(direction_of_dpdu(mesh, triangle, raw_sign[c / 3]), mesh.normals[v])) continue;
     const double deg = from_mikktspaces_deg(mesh, v, mikktspace.at(c, v));
     leaning += deg >= 0, same += deg >= 0 && deg <= same_deg;
   }

@@ -163,6 +163,7 @@ class MeshValidation {
   enum class Decider { nobody, surface, triangles };
   Decider tangent_error(const CornerGroup& group) const;
   bool may_be_exact(std::uint32_t v) const;
+  bool normals_diagnosed() const { return normal_mistake_ != NormalMistake::none; }
   bool normal_error(std::uint32_t v) const;
   Code error_of(const CornerGroup& group) const;
   void count_vertex(std::uint32_t v);
@@ -185,7 +186,8 @@ class MeshValidation {
   std::vector<bool> authored_;  // of a recognised surface
   Averages averages_;
   Smooth smooth_;
-  bool tangents_diagnosed_ = false, normals_diagnosed_ = false;
+  bool tangents_diagnosed_ = false;
+  NormalMistake normal_mistake_ = NormalMistake::none;
   // Numbers of corners: decided by the surface; compared with it but undecided; decided by the neighbours.
   std::size_t decided_ = 0, undecided_ = 0, locally_ = 0;
   MeshReport report_;
@@ -259,8 +261,8 @@ bool MeshValidation::normal_error(std::uint32_t v) const {
   const bool within = accurate_.known() && accurate_.has_sides() && accurate_.normal(v) == Claim::within;
   if (unsupported && !within) return true;
   return accurate_.known() && accurate_.normal(v) == Claim::beyond &&
-         accurate_.decides(accurate_.normals_agree(), normals_diagnosed_) &&
-         !(((may_be_authored(v) && !normals_diagnosed_) || averages_.normal(v)) && !is_unsupported(v));
+         accurate_.decides(accurate_.normals_agree(), normals_diagnosed()) &&
+         !(((may_be_authored(v) && !normals_diagnosed()) || averages_.normal(v)) && !is_unsupported(v));
 }
 
 // The first error that fits.
@@ -390,9 +392,9 @@ void MeshValidation::count_warnings(const CornerGroup& group, Code error, Corner
                                                                              : counts.authored_tangents,
          surface.projected_tangent);
   if (!normal_error(v) && accurate_.known() && accurate_.normal(v) == Claim::beyond)
-    warn(!accurate_.decides(accurate_.normals_agree(), normals_diagnosed_) ? counts.surface_normals
-         : averages_.normal(v)                                             ? counts.coarse_normals
-                                                                           : counts.authored_normals,
+    warn(!accurate_.decides(accurate_.normals_agree(), normals_diagnosed()) ? counts.surface_normals
+         : averages_.normal(v)                                              ? counts.coarse_normals
+                                                                            : counts.authored_normals,
          surface.normal);
   if (!smooth_.known() || is_pole(v)) return;
   if (error == no_code && !accurate_.known() && !under_test_.cones.empty() &&
@@ -448,6 +450,10 @@ void MeshValidation::add_errors(const CornerCounts& counts) {
       continue;
     }
     Finding found = finding(code, counts.of_error[k], more(code));
+    if (code == Code::normal_angle && normal_mistake_ == NormalMistake::negated) {
+      found.message += "; nearly all are the true ones, negated";
+      found.to_do = "negate the normals";
+    }
     if (code == Code::tangent_not_orthogonal &&
         static_cast<double>(counts.in_plane) >= explains_most * static_cast<double>(counts.of_error[k])) {
       found.message +=
@@ -562,7 +568,7 @@ void MeshValidation::look_at_signs() {
 
 void MeshValidation::diagnose() {
   if (!accurate_.known() || (accurate_.normals_agree() < Accurate::enough && !averages_.explain_normals()))
-    normals_diagnosed_ = diagnose_normals(under_test_, accurate_, options_, report_);
+    normal_mistake_ = diagnose_normals(under_test_, accurate_, options_, report_);
   if (mesh_.tangents.empty()) return;
   const std::span<const Truth> truth = statistics_truth();
   std::size_t oblique = 0;

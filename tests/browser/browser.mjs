@@ -44,7 +44,10 @@ export class Browser {
 
   /// Opens a page and waits until it is loaded.
   async open(url) {
+    this.session = undefined;
+    if (this.target) await this.send('Target.closeTarget', {targetId: this.target});
     const {targetId} = await this.send('Target.createTarget', {url: 'about:blank'});
+    this.target = targetId;
     this.session = (await this.send('Target.attachToTarget', {targetId, flatten: true})).sessionId;
     for (const domain of ['Page', 'Runtime', 'Log', 'Network']) await this.send(domain + '.enable');
     this.events.length = 0;

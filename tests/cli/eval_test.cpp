@@ -1,6 +1,7 @@
 // `eval`: coordinates and numbers bit for bit, columns, what it reads, formats, and that it streams.
 #include <array>
 #include <cstring>
+#include <regex>
 
 #include <darboux/christoffel.h>
 #include <darboux/curvature.h>
@@ -224,12 +225,12 @@ TEST_F(Cli, ProgressIsDrawnWhileACommandWaits) {
   if (sh("script --version").status != 0) GTEST_SKIP() << "SKIPPED: script is not there, no terminal is made";
   const auto on_a_terminal = [&](const std::string& options) {
     write_bytes(path("command"),
-                "(sleep 1.5; echo 0.25,0.5) | darboux eval torus --input - --format csv -o o.csv" + options);
+                "(sleep 3; echo 0.25,0.5) | darboux eval torus --input - --format csv -o o.csv" + options);
     return good("script -qec 'bash command' /dev/null </dev/null");
   };
   const std::string drawn = on_a_terminal("");
   EXPECT_NE(drawn.find("\reval [....................."), std::string::npos) << drawn;
-  EXPECT_NE(drawn.find(" %, 1 s"), std::string::npos) << drawn;
+  EXPECT_TRUE(std::regex_search(drawn, std::regex(" %, [1-9] s"))) << drawn;
   EXPECT_NE(drawn.find("\r\x1b[K"), std::string::npos) << drawn;
   EXPECT_EQ(on_a_terminal(" --quiet").find("eval ["), std::string::npos);
 }

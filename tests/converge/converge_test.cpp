@@ -154,7 +154,7 @@ TEST(Converge, ExpectationsHoldOnTheWholeSphere) {
 // wrong half.
 TEST(Converge, MirroredAndGradedMeshesDoAsExpected) {
   int i = 0;
-  for (const char* surface : {"torus", "sphere", "ellipsoid", "cone", "one-sheet-hyperboloid"}) {
+  for (const char* surface : {"sphere", "torus", "ellipsoid", "cone", "one-sheet-hyperboloid"}) {
     if (!test::is_taken(i++)) continue;
     ConvergeOptions o = options(surface, {"mirrored", "graded"});
     o.resolutions = {16, 32, 64, 128};

@@ -1,5 +1,5 @@
 // The rows of docs/reports/fit.md: which data sets each takes, what one fit of one set gives, and what is
-// required. The program fit_statistics runs them, tests/fit_points_statistics_test.cpp smaller versions.
+// required. The program fit_statistics runs them, tests/fit/fit_points_statistics_test.cpp smaller versions.
 #pragma once
 
 #include <algorithm>

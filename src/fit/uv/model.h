@@ -41,7 +41,8 @@ struct UvSums {
 /// translation, all parameters, the affine map. Zero for what is held or at its bound.
 struct UvSpread {
   Eigen::MatrixXd covariance;
-  std::string undetermined{};  ///< what the points do not determine; the covariance is zero then; else empty
+  std::string undetermined{};  ///< what the points do not determine, and the covariance is zero; empty: they
+                               ///< determine all
 };
 
 /// How a fit ended.

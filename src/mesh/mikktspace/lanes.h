@@ -1,5 +1,5 @@
 /// \file lanes.h
-/// The interface between corners.cpp, which knows the mesh, and lanes.cpp, which is compiled once per
+/// The interface between lanes_dispatch.cpp, which knows the mesh, and lanes.cpp, which is compiled once per
 /// instruction set and handles four or more triangles or corners at a time. Plain data only: nothing here may
 /// compile differently in the two.
 #pragma once
