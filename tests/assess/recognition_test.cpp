@@ -41,6 +41,23 @@ TEST(Recognition, FindsSurfaces) {
       }
 }
 
+// An elliptic cone is no kind of the catalogue. A paraboloid goes through its apex and any ring of it, with
+// normals that are not the stored ones.
+TEST(Recognition, TwoRingsAreNoParaboloid) {
+  Mesh mesh = sample_mesh(make_surface("cone:radius=1,height=1"), {.columns = 24, .rows = 1});
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    mesh.positions[v].y *= 0.5;
+    const Vec3<double>& n = mesh.normals[v];
+    mesh.normals[v] = unit(Vec3<double>{n.x, 2 * n.y, n.z});
+    const Vec4<double> t = mesh.tangents[v];
+    const Vec3<double> along = unit(Vec3<double>{t.x, 0.5 * t.y, t.z});
+    mesh.tangents[v] = {along.x, along.y, along.z, t.w};
+  }
+  const Assessment assessment = assess(mesh);
+  EXPECT_FALSE(assessment.fit && assessment.fit->fits);
+  EXPECT_EQ(assessment.report.verdict, Verdict::pass);
+}
+
 // Some places of large meshes are looked at. Their number may not keep step with the rows of a grid.
 TEST(Recognition, FindsSurfacesOfFineGrids) {
   for (const std::string_view name : {"torus", "sphere", "cylinder", "cone", "ellipsoid", "catenoid"})

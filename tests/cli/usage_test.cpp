@@ -19,6 +19,14 @@ TEST_F(Cli, KnowsTheContractsSubcommands) {
 }
 
 // Each help ends with an example, and the example runs on the files it names.
+// The library knows arguments by other names than the command line.
+TEST_F(Cli, ErrorsNameTheOptionThatWasGiven) {
+  const std::string converge = "darboux converge --surfaces torus --methods ";
+  refused(converge + "nope", {"darboux: --methods: expected one of", "got 'nope'"});
+  refused(converge + "face --resolutions 4", {"darboux: --resolutions: expected at least 3"});
+  refused("darboux check points", {"darboux: points: unknown surface"});
+}
+
 TEST_F(Cli, EveryHelpEndsWithAnExampleThatRuns) {
   good("darboux mesh torus --grid 32x16 -o torus.glb --quiet");
   good(
