@@ -13,6 +13,7 @@
 #include <darboux/statistics.h>
 
 #include "jet_patches.h"
+#include "random.h"
 
 namespace darboux::test::local_jets_accuracy_test {
 namespace {

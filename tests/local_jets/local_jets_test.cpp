@@ -18,6 +18,7 @@
 
 #include "base/neighbours.h"
 #include "jet_patches.h"
+#include "random.h"
 #include "random_pose.h"
 #include "refusal_of.h"
 

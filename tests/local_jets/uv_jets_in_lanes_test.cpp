@@ -17,6 +17,7 @@
 #include "evaluate/kernels/dispatch.h"
 #include "jet_patches.h"
 #include "local_jets/batch.h"
+#include "random.h"
 
 namespace darboux::test::uv_jets_in_lanes_test {
 namespace {

@@ -15,6 +15,7 @@
 #include <darboux/testing.h>
 
 #include "adapted.h"
+#include "random.h"
 
 namespace darboux::test::adaptors_test {
 namespace {

@@ -8,6 +8,7 @@
 #include <darboux/evaluate.h>
 
 #include "multiprecision_forms.h"
+#include "random.h"
 
 namespace darboux::test::darboux_frame_test {
 namespace {

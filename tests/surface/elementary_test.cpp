@@ -16,6 +16,7 @@
 #include <darboux/elementary.h>
 
 #include "multiprecision.h"
+#include "random.h"
 #include "thinning.h"
 
 namespace darboux::test::elementary_test {

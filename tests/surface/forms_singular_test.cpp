@@ -8,6 +8,7 @@
 #include <darboux/from_position.h>
 
 #include "multiprecision_forms.h"
+#include "random.h"
 
 namespace darboux::test::forms_singular_test {
 namespace {

@@ -18,6 +18,7 @@
 #include <darboux/shape_operator.h>
 
 #include "multiprecision_forms.h"
+#include "random.h"
 
 namespace darboux::test::forms_test {
 namespace {

@@ -16,6 +16,7 @@
 #include <darboux/testing.h>
 
 #include "adapted.h"
+#include "random.h"
 
 namespace darboux::test::from_position_test {
 namespace {

@@ -13,6 +13,7 @@
 #include <darboux/testing.h>
 
 #include "adapted.h"
+#include "random.h"
 
 namespace darboux::test::offset_test {
 namespace {
