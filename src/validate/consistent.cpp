@@ -37,7 +37,7 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
   assess(mesh, raw_sign, has_area, joins, mikktspace, limit_deg, max_angle_deg);
   hold_if_turned(max_angle_deg);
   const auto beyond = count(Claim::beyond);
-  if (turn_ || beyond == 0) return;
+  if (turn_ || beyond == 0 || !may_be_scaled(mesh, raw_sign, mikktspace)) return;
   if (const auto unscaled = before_baked_scale(mesh, raw_sign, has_area, max_angle_deg)) {
     Cones before;
     before.assess(*unscaled, raw_sign, has_area, joins, {}, limit_deg, max_angle_deg);
