@@ -114,7 +114,7 @@ TEST_F(Policy, TheEndOfTheTextSumsUp) {
   ASSERT_NE(at, std::string::npos) << out;
   const std::string end = out.substr(at);
   for (const char* part :
-       {"  error TANGENT_ZERO: 28 in 14 files. To do: give the vertex any direction",
+       {"  error TANGENT_ZERO: 28 in 14 files. To do: store any unit vector perpendicular",
         "  warning TANGENT_HANDEDNESS_CONVENTION: 43392 in 15 files. To do: negate w in glTF files",
         "\nfailed:\n  assets/bad0.glb: TANGENT_ZERO (2)\n", "\n  assets/bad13.glb: TANGENT_ZERO (2)\n",
         "\ncannot be read:\n  assets/broken.glb: ",
@@ -138,7 +138,7 @@ TEST_F(Policy, OneFileHasItsVerdict) {
 // The text of one file ends with what to do, once for each kind of what was found, warnings too.
 TEST_F(Policy, OneFileEndsWithWhatToDo) {
   const std::string both = good(bad_, 1),
-                    todo = "\nto do:\n  TANGENT_ZERO: give the vertex any direction perpendicular";
+                    todo = "\nto do:\n  TANGENT_ZERO: store any unit vector perpendicular";
   EXPECT_NE(both.find(todo), std::string::npos) << both;
   EXPECT_NE(both.find("\n  TANGENT_HANDEDNESS_CONVENTION: negate w"), std::string::npos) << both;
   const std::string out =
