@@ -14,6 +14,9 @@ namespace darboux {
 namespace {
 
 constexpr double most_scaled = 0.03;  // share of a mesh's tangents that a baked scale may explain: a choice
+// No scale was baked in where more of the tangents that it would move are MikkTSpace's: of those that are
+// told, and of few that may be explained.
+constexpr double most_unmoved = 0.95, most_unmoved_of_few = 0.5;
 
 // The least turn of turned tangents. On a prism with three sides and normals between those of its facets,
 // making dpdu perpendicular to the normal turns it by 25 degrees; with more sides, by less.
@@ -37,7 +40,7 @@ Cones::Cones(const Mesh& mesh, std::span<const signed char> raw_sign, const std:
   assess(mesh, raw_sign, has_area, joins, mikktspace, limit_deg, max_angle_deg);
   hold_if_turned(max_angle_deg);
   const auto beyond = count(Claim::beyond);
-  if (turn_ || beyond == 0 || !may_be_scaled(mesh, raw_sign, mikktspace)) return;
+  if (turn_ || beyond == 0 || share_unmoved(mesh, raw_sign, mikktspace) > most_unmoved) return;
   if (const auto unscaled = before_baked_scale(mesh, raw_sign, has_area, max_angle_deg)) {
     Cones before;
     before.assess(*unscaled, raw_sign, has_area, joins, {}, limit_deg, max_angle_deg);
@@ -101,7 +104,7 @@ void Cones::assess(const Mesh& mesh, std::span<const signed char> raw_sign, cons
   leave_out_mikktspaces(mesh, raw_sign, mikktspace, limit_deg);
   const auto beyond = count(Claim::beyond), within = count(Claim::within);
   if (!scaled.empty() && static_cast<double>(beyond) <= most_scaled * static_cast<double>(beyond + within) &&
-      may_be_scaled(mesh, raw_sign, mikktspace))
+      share_unmoved(mesh, raw_sign, mikktspace) < most_unmoved_of_few)
     for (const std::size_t place : scaled) claims_[place] = Claim::none;
 }
 

@@ -145,9 +145,9 @@ std::vector<bool> are_mikktspaces(const Mesh& mesh, std::span<const signed char>
   return result;
 }
 
-bool may_be_scaled(const Mesh& mesh, std::span<const signed char> raw_sign,
-                   const MikktspaceReference& mikktspace) {
-  if (mikktspace.empty()) return true;
+double share_unmoved(const Mesh& mesh, std::span<const signed char> raw_sign,
+                     const MikktspaceReference& mikktspace) {
+  if (mikktspace.empty()) return 0;
   constexpr double same_deg = 0.02;  // beyond rounding
   std::size_t leaning = 0, same = 0;
   for (std::size_t c = 0; c < mesh.corners(); ++c) {
@@ -158,7 +158,7 @@ bool may_be_scaled(const Mesh& mesh, std::span<const signed char> raw_sign,
     const double deg = from_mikktspaces_deg(mesh, v, mikktspace.at(c, v));
     leaning += deg >= 0, same += deg >= 0 && deg <= same_deg;
   }
-  return 2 * same < leaning;
+  return leaning == 0 ? 1 : static_cast<double>(same) / static_cast<double>(leaning);
 }
 
 }  // namespace darboux

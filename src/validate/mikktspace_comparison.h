@@ -37,10 +37,10 @@ std::vector<bool> are_mikktspaces(const Mesh& mesh, std::span<const signed char>
                                   const MikktspaceReference& mikktspace, const std::vector<bool>& asked,
                                   std::span<const double> limit_deg);
 
-// Whether the positions may have been scaled since the tangents were made. A scale would have moved tangents
-// where a dpdu leans by 5 degrees or more from the plane of the normal: not if half of those are MikkTSpace's
-// of the mesh as it is. \param mikktspace may be empty
-bool may_be_scaled(const Mesh& mesh, std::span<const signed char> raw_sign,
-                   const MikktspaceReference& mikktspace);
+// The share of MikkTSpace's, up to rounding, among the tangents where a dpdu leans by 5 degrees or more from
+// the plane of the normal. Those a scale of the positions would have moved since they were made. 1 where none
+// leans. \param mikktspace may be empty: 0
+double share_unmoved(const Mesh& mesh, std::span<const signed char> raw_sign,
+                     const MikktspaceReference& mikktspace);
 
 }  // namespace darboux
