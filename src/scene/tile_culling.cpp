@@ -143,7 +143,7 @@ double TileCulling::nearest_distance() {
 
 // The number of cells that a tile needs at a distance from the eye, for its chords and for its frames.
 TileLevels TileCulling::cells_needed(double distance, const TileRates& rates, const ChordLevels& chords,
-                                   const TilePlace& place, FrameLevels& kept) {
+                                     const TilePlace& place, FrameLevels& kept) {
   const double condition = placed_.condition;
   TileLevels result;
   if (bounds_chord_) {

@@ -1,10 +1,10 @@
 // A scale baked into a mesh together with its tangents: the mesh before it.
 //
-// Tools that apply a node's matrix M to its mesh write M p, M t and the normal M⁻ᵀ n. Where triangles lean
-// from the plane of the normal, M t is no average of the new triangles' dpdu d' = M d. The old average
-// t ∝ d - (n·d) n becomes
-//   t' ∝ d' - (n'·d') G n' / (n'·G n'),   G = M Mᵀ.
-// The cross product of both sides, times n'·G n', is linear in G: least squares over the vertices give G up
+// Tools that apply a node's matrix M to its mesh write M p, M t and the normal M^-T n. Where triangles lean
+// from the plane of the normal, M t is no average of the new triangles' dpdu, d' = M d. The old average
+// t ~ d - (n.d) n becomes
+//   t' ~ d' - (n'.d') G n' / (n'.G n'),   G = M M^T.
+// The cross product of both sides, times n'.G n', is linear in G: least squares over the vertices give G up
 // to its size. G^(-1/2) p, G^(-1/2) t' and G^(1/2) n' then are the mesh before the scale, up to a rotation.
 #pragma once
 

@@ -21,8 +21,8 @@ inline int thinning() {
 }
 
 /// Of nested loops of at least three turns the combinations whose indices have such a sum: a third, but each
-/// turn of each loop. Of a single loop a third of its turns, always the same: long runs take the others. What a
-/// combination draws does not depend on those that are left out.
+/// turn of each loop. Of a single loop a third of its turns, always the same: long runs take the others. What
+/// a combination draws does not depend on those that are left out.
 inline bool is_taken(int sum_of_indices) {
   return sum_of_indices % std::min(thinning(), 3) == 0;
 }
