@@ -109,8 +109,8 @@ class LocalFit {
                     .condition = fit_.condition(),
                     .residual_rms = radius * fit_.residual_rms()};
 
-    // To first order, with the slope against the plane small: δn = -(δc1, δc2)/w, δκ = δII(d, d), and the
-    // principal directions turn by δII(d1, d2)/(κ1 - κ2).
+    // To first order, with the slope against the plane small: δn = -(δc1, δc2)/w, δκ = δII(d, d), and
+    // the principal directions turn by δII(d1, d2)/(κ1 - κ2).
     const double w = std::sqrt(1 + c[1] * c[1] + c[2] * c[2]);
     const auto error = [&](const typename Fit::Functional& f) {
       constexpr double along[] = {1};

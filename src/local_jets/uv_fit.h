@@ -137,8 +137,8 @@ class UvFit {
     const S u_unit = scaling.radius * scaling.per_u, v_unit = scaling.radius * scaling.per_v;
     result.dpdu_error = u_unit * length_error(of_dpdu);
     result.dpdv_error = v_unit * length_error(of_dpdv);
-    // δt = (b b·δdpdu + n n·δdpdu)/|dpdu|; δn = -Σ r n·δdp over u and v, with r the gradients of u and v in
-    // the surface.
+    // δt = (b b·δdpdu + n n·δdpdu)/|dpdu|; δn = -Σ r n·δdp over u and v, with r the gradients
+    // of u and v in the surface.
     const Vec3<S>&t = result.frame.t, &b = result.frame.b, &n = result.frame.n;
     const S e = dot(result.jet.dpdu, t), f = dot(result.jet.dpdv, t), g = dot(result.jet.dpdv, b);
     const S per_e = u_unit / e, per_g = v_unit / g, shear = f / g;

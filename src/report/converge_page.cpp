@@ -151,7 +151,8 @@ constexpr std::string_view tables = R"html(</div>
 <p class=soft id=at-floor aria-live=polite></p>
 <h2 id=map-of>Orders</h2>
 <p class=soft>By method, mesh and class of vertices. The stronger the colour, the higher the order; exact: the
-error is nothing but rounding; ×: does not converge; red: below what is expected. A click shows the curve.</p>
+error is nothing but rounding; ×: does not converge; red: below what is expected.
+A click shows the curve.</p>
 <div class=scroll><table class=map id=map></table></div>
 </section>
 <section class=card>

@@ -57,19 +57,22 @@ const std::string_view page_style = R"css(
 :root{color-scheme:light;--ink:#1d2733;--soft:#5a6675;--line:#d8dee6;--faint:#edf0f4;--accent:#0072b2;
   --page:#f5f7f9;--card:#fff;--good:#dcecf7;--good-ink:#00486f;--bad:#fbe0d3;--bad-ink:#8a3300;
   --plain:#eceff2;--plain-ink:#48535f}
-@media screen and (prefers-color-scheme:dark){:root.both{color-scheme:dark;--ink:#e4e9ee;--soft:#a3afbb;--line:#3a4550;
-  --faint:#2b343d;--accent:#6fb8e6;--page:#12171c;--card:#1b2229;--good:#123a54;--good-ink:#bfe1f6;--bad:#57250a;
-  --bad-ink:#ffd3bd;--plain:#2b343d;--plain-ink:#c3ccd5}}
+@media screen and (prefers-color-scheme:dark){:root.both{color-scheme:dark;
+  --ink:#e4e9ee;--soft:#a3afbb;--line:#3a4550;--faint:#2b343d;--accent:#6fb8e6;--page:#12171c;--card:#1b2229;
+  --good:#123a54;--good-ink:#bfe1f6;--bad:#57250a;--bad-ink:#ffd3bd;--plain:#2b343d;--plain-ink:#c3ccd5}}
 *{box-sizing:border-box}
-body{margin:0;background:var(--page);color:var(--ink);font:16px/1.5 system-ui,"Segoe UI","DejaVu Sans",sans-serif}
+body{margin:0;background:var(--page);color:var(--ink);
+  font:16px/1.5 system-ui,"Segoe UI","DejaVu Sans",sans-serif}
 main{max-width:78rem;margin:0 auto;padding:2rem 1.5rem 3rem}
 h1{font-size:1.75rem;line-height:1.2;margin:0 0 .75rem}
 h2{font-size:1.15rem;margin:0 0 .25rem}
 p{margin:0 0 1rem;max-width:50rem}
 .soft,figcaption{color:var(--soft);font-size:.9rem}
-.card{background:var(--card);border:1px solid var(--line);border-radius:.6rem;padding:1.1rem 1.25rem;margin:0 0 1.25rem}
+.card{background:var(--card);border:1px solid var(--line);border-radius:.6rem;
+  padding:1.1rem 1.25rem;margin:0 0 1.25rem}
 :focus-visible{outline:3px solid var(--accent);outline-offset:2px}
-.pictures{margin:0 0 .75rem;display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,26rem),1fr));gap:1.5rem}
+.pictures{margin:0 0 .75rem;display:grid;
+  grid-template-columns:repeat(auto-fit,minmax(min(100%,26rem),1fr));gap:1.5rem}
 figure{margin:0;min-width:0}
 .scroll{overflow-x:auto}
 table{border-collapse:collapse;width:100%;font-size:.9rem}

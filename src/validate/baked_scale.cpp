@@ -8,8 +8,6 @@
 
 #include <Eigen/Core>
 
-#include <darboux/frame.h>
-
 #include "angles.h"
 #include "base/degrees.h"
 #include "base/evenly_chosen.h"
@@ -73,7 +71,7 @@ std::vector<Leaning> samples_of(const Mesh& mesh, std::span<const signed char> r
   return samples;
 }
 
-// One sample of each pair of d and n, up to so many.
+// The number of different pairs of d and n, up to least_pairs.
 std::size_t different_pairs(const std::vector<Leaning>& samples) {
   static const double same = std::cos(same_pair_deg / degrees_per_radian);
   std::vector<const Leaning*> pairs;

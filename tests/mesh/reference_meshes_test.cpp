@@ -254,8 +254,8 @@ TEST(ReferenceMeshes, TheLanternsAreaDependsOnItsRows) {
   }
   EXPECT_NEAR(lantern(64, 64), 2 * pi * r * h, 2 * pi * r * h * 2e-3);  // n = m: error of order 1/m²
   const double limit = 2 * pi * r * std::sqrt(h * h + std::pow(pi, 4) * r * r / 4);
-  // n = m²: another limit, up to sin(π/m) and 1 - cos(π/m), shares of π²/6m² and π²/12m² below π/m and
-  // π²/2m².
+  // n = m²: another limit, up to sin(π/m) and 1 - cos(π/m), shares of π²/6m² and π²/12m²
+  // below π/m and π²/2m².
   EXPECT_NEAR(lantern(32, 32 * 32), limit, limit * 2.5 / (32 * 32));
   EXPECT_GT(limit, 3 * 2 * pi * r * h);
   EXPECT_GT(lantern(8, 8 * 8 * 8), 4 * lantern(8, 8 * 8));  // n = m³: none

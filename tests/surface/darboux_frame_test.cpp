@@ -52,8 +52,8 @@ TEST(DarbouxFrame, OfGreatCirclesHasNoGeodesicCurvature) {
     const Vec3<double> p = random.direction(), q = unit(cross(p, random.direction()));
     const double rho = std::hypot(p.x, p.y);
     if (rho < 0.2) continue;
-    // φ' = (x y' - y x')/ρ²; φ'' has the derivative of ρ² only, as x y'' = y x''. With z = -cos πv: z' = π v'
-    // sin πv.
+    // φ' = (x y' - y x')/ρ²; φ'' has the derivative of ρ² only, as x y'' = y x''. With z = -cos πv:
+    // z' = π v' sin πv.
     const double phi1 = (p.x * q.y - p.y * q.x) / (rho * rho),
                  phi2 = -phi1 * 2 * (p.x * q.x + p.y * q.y) / (rho * rho), theta1 = q.z / rho,
                  theta2 = (-p.z + p.z * theta1 * theta1) / rho;
@@ -86,8 +86,8 @@ TEST(DarbouxFrame, OfLinesOfCurvatureHasNoGeodesicTorsion) {
     }
 }
 
-// A helix that climbs at the angle α on a cylinder: a geodesic, κn = -cos² α / r, τg = sin α cos α / r, the
-// torsion of a right-handed helix.
+// A helix that climbs at the angle α on a cylinder: a geodesic, κn = -cos² α / r,
+// τg = sin α cos α / r, the torsion of a right-handed helix.
 TEST(DarbouxFrame, OfHelicesOnACylinder) {
   Random random(15);
   for (int i = 0; i < 500; ++i) {

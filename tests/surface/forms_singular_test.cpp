@@ -56,8 +56,8 @@ TEST(SingularPoints, HaveTheCurvatureOfTheirClosedForms) {
   }
 }
 
-// z = α x² + 2β x y + γ y² + x³/4 over x = 2ρ cos, y = ρ sin + ρ²/2: the chart is skew at its tip, and every
-// term of the limit is at work.
+// z = α x² + 2β x y + γ y² + x³/4 over x = 2ρ cos, y = ρ sin + ρ²/2: the chart is skew at its tip,
+// and every term of the limit is at work.
 struct Cup {
   double alpha, beta, gamma;
   static constexpr SurfaceInfo info{"cup", "a quadric and more, in skew polar coordinates", Coordinate::turn,
@@ -84,8 +84,8 @@ TEST(SingularPoints, OfAnyCupHaveItsSecondDerivatives) {
       return f.n.z * 2 * (cup.alpha * a.x * b.x + cup.beta * (a.x * b.y + a.y * b.x) + cup.gamma * a.y * b.y);
     };
     const ShapeOperator<double> s = shape_operator(cup, u, 0.0, j, f);
-    // Derivatives up to 2 (2π)² 2² of each, over |d2pduv|² >= (2π)² and |dpdv · b| >= 1: terms up to 64, some
-    // 32 roundings.
+    // Derivatives up to 2 (2π)² 2² of each, over |d2pduv|² >= (2π)² and |dpdv · b| >= 1: terms up to
+    // 64, some 32 roundings.
     EXPECT_NEAR(s.a, hessian(f.t, f.t), 64 * 32 * roundoff) << u;
     EXPECT_NEAR(s.m, hessian(f.t, f.b), 64 * 32 * roundoff) << u;
     EXPECT_NEAR(s.c, hessian(f.b, f.b), 64 * 32 * roundoff) << u;
