@@ -8,7 +8,7 @@ tool=${1:+$(realpath "$1")}
 cd "$(dirname "$0")"
 if [ -z "$tool" ]; then
   .ci/install build
-  cmake --preset release -DDARBOUX_BUILD_TESTS=OFF
+  cmake --preset release -DDARBOUX_BUILD_TESTS=OFF -DDARBOUX_THIS_MACHINE=ON
   cmake --build --preset release --target darboux_tool
   tool=build/release/bin/darboux
 fi

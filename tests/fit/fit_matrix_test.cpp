@@ -56,7 +56,10 @@ TEST_P(FitMatrix, WhatIsStatedHolds) {
   const std::vector<matrix::Cell> cells = cells_of(GetParam());
   ASSERT_GE(cells.size(), 8U);
   matrix::Hits wrong_kind;
+  std::size_t number = 0, taken = 0;
   for (const matrix::Cell& cell : cells) {
+    if (thinning() > 1 && number++ % 2 == 1) continue;
+    ++taken;
     matrix::Tally tally;
     for (std::uint64_t run = 0; run < sets; ++run)
       tally.add(matrix::run_of(cell, run, {.automatic = run % 3 == 0}), cell);
@@ -67,7 +70,7 @@ TEST_P(FitMatrix, WhatIsStatedHolds) {
     wrong_kind += tally.hits[6];
   }
   // A few data sets of a cell show little, those of all cells more.
-  EXPECT_GE(6 * wrong_kind.n, sets * cells.size());
+  EXPECT_GE(6 * wrong_kind.n, sets * taken);
   EXPECT_LE(wrong_kind.k, 1U) << wrong_kind.k << " of " << wrong_kind.n << " of the wrong kind";
 }
 
