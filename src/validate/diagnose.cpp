@@ -17,6 +17,7 @@
 #include "mesh/frames/corner.h"
 #include "mesh/frames/creases.h"
 #include "normal_cones.h"
+#include "rounding.h"
 
 namespace darboux {
 namespace {
@@ -309,13 +310,16 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
   const std::vector<std::uint32_t>& joined = joins_of(under_test, of_part).position_and_normal;
   const std::vector<Vec3<double>> planes = planes_of(under_test);
   std::vector<Vec3<double>> plane(mesh.positions.size());
+  std::vector<double> rounding(mesh.positions.size(), 0);
   std::vector<bool> is_bent(mesh.positions.size(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!under_test.has_area[t]) continue;
     const bool is_shaded_flat = has_one_normal(mesh, mesh.triangles[t], mesh.normals[mesh.triangles[t][0]]);
+    const double turned = plane_rounding_deg(mesh, mesh.triangles[t]);
     for (const std::uint32_t v : mesh.triangles[t]) {
       const std::uint32_t at = joined[v];
       if (plane[at] == Vec3<double>{}) plane[at] = planes[t];
+      rounding[at] = std::fmax(rounding[at], turned);
       is_bent[at] = is_bent[at] || !is_shaded_flat || !(angle_deg(plane[at], planes[t]) <= same_plane);
     }
   }
@@ -325,7 +329,7 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
     const Vec3<double>& n = mesh.normals[v];
     const Vec3<double>& across = plane[joined[v]];
     if (across == Vec3<double>{} || is_bent[joined[v]] || !detail::finite(n) || n == Vec3<double>{}) continue;
-    samples.push_back({v, unit(n), across, {}, {}, 1, 1, limit});
+    samples.push_back({v, unit(n), across, {}, {}, 1, 1, limit + rounding[joined[v]]});
   }
   return samples;
 }
@@ -381,11 +385,15 @@ std::vector<Pair> normals_of_averages(const MeshUnderTest& under_test, double li
   const std::vector<std::uint32_t>& joined = joins_of(under_test, of_part).position_and_normal;
   const std::vector<Vec3<double>> planes = planes_of(under_test);
   std::vector<Vec3<double>> sums(mesh.positions.size());
+  std::vector<double> rounding(mesh.positions.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!under_test.has_area[t]) continue;
     const Triangle& triangle = mesh.triangles[t];
+    const double turned = plane_rounding_deg(mesh, triangle);
     for (int k = 0; k < 3; ++k) {
-      Vec3<double>& sum = sums[joined[triangle[static_cast<std::size_t>(k)]]];
+      const std::uint32_t at = joined[triangle[static_cast<std::size_t>(k)]];
+      rounding[at] = std::fmax(rounding[at], turned);
+      Vec3<double>& sum = sums[at];
       sum = sum +
             corner_angle(
                 {mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]}, k) *
@@ -399,7 +407,7 @@ std::vector<Pair> normals_of_averages(const MeshUnderTest& under_test, double li
     const Vec3<double> average = unit(sums[joined[v]]);
     if (average == Vec3<double>{} || !detail::finite(average) || !detail::finite(n) || n == Vec3<double>{})
       continue;
-    samples.push_back({v, unit(n), average, {}, {}, 1, 1, limit});
+    samples.push_back({v, unit(n), average, {}, {}, 1, 1, limit + rounding[joined[v]]});
   }
   return samples;
 }

@@ -1,6 +1,7 @@
 // How far rounding of the stored numbers may have moved things.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -8,6 +9,7 @@
 #include <darboux/mesh.h>
 #include <darboux/triangle.h>
 
+#include "base/degrees.h"
 #include "mesh/stored_rounding.h"
 
 namespace darboux {
@@ -21,6 +23,19 @@ inline double largest_coordinate(const std::array<Vec2<double>, 3>& uv) {
 // Radians by which rounding to the file's numbers may have turned the tangent of a vertex.
 inline double tangent_rounding(const Mesh& mesh, std::uint32_t v) {
   return std::numbers::sqrt3 * half_step(mesh.half_steps.tangent, 1) / norm(mesh.tangents[v].xyz());
+}
+
+// Degrees by which rounding of the positions may have turned the plane of a triangle; 180 without one.
+inline double plane_rounding_deg(const Mesh& mesh, const Triangle& triangle) {
+  const auto& [i, j, k] = triangle;
+  const std::array<Vec3<double>, 3> p{mesh.positions[i], mesh.positions[j], mesh.positions[k]};
+  double size = 0;
+  for (const Vec3<double>& q : p) size = std::max({size, std::fabs(q.x), std::fabs(q.y), std::fabs(q.z)});
+  const double step = half_step(mesh.half_steps.position, size);
+  const Vec3<double> e1 = p[1] - p[0], e2 = p[2] - p[0];
+  const double of_area = 2 * std::numbers::sqrt3 * step * (norm(e1) + norm(e2) + 2 * step);
+  const double sine = of_area / norm(cross(e1, e2));
+  return sine < 1 ? degrees_per_radian * std::asin(sine) : 180;
 }
 
 // The sign of the uv area; 0 if rounding of the uvs may have changed it. \param half_step of the uvs

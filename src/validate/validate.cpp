@@ -237,9 +237,10 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
     const Claim claim = accurate_.tangent(v);
     if (claim == Claim::within) return Decider::nobody;
     if (is_hidden(v) && !accurate_.declared()) return Decider::nobody;
-    // At a seam every tool sees one side only: with few columns its tangents are far from the surface's.
+    // At a seam every tool sees one side only: with few columns its tangents are far from the surface's, and
+    // next to a pole the triangles may not be able to judge.
     const bool authored = may_be_authored(v) && !tangents_diagnosed_ && !under_test_.cones.empty() &&
-                          under_test_.cones.claim(v, group.sign) == Claim::within;
+                          under_test_.cones.claim(v, group.sign) != Claim::beyond;
     if (claim == Claim::beyond && accurate_.decides(accurate_.tangents_agree(), tangents_diagnosed_))
       return authored || is_average_tangent(v, group.sign) ? Decider::nobody : Decider::surface;
   }
