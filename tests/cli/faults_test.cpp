@@ -311,7 +311,7 @@ class Faults : public Cli {
 // DARBOUX_FAULTS=1000000: every one.
 std::size_t wanted() {
   const char* const text = std::getenv("DARBOUX_FAULTS");
-  return text ? static_cast<std::size_t>(std::atoi(text)) : 8;
+  return text ? static_cast<std::size_t>(std::atoi(text)) : 5;
 }
 
 TEST_F(Faults, Allocations) {

@@ -21,6 +21,7 @@ export LC_ALL=C
 root=$(realpath "$1") tool=$(realpath "$2") examples=$(realpath "$3") update=${4:-}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
+mkdir "$work/anchors"
 failures=0 blocks=0 links=0
 
 complain() {
@@ -117,22 +118,25 @@ check_blocks() {
   fi
 }
 
-# The names that headings of a page have in links.
+# A file with the names that headings of a page have in links.
 anchors() {
-  sed -nE 's/^#+ +//p' "$1" | tr '[:upper:]' '[:lower:]' | sed -E -e 's/[^a-z0-9 _-]//g' -e 's/ /-/g'
+  local file=$work/anchors/${1//\//|}
+  [[ -e $file ]] || sed -nE 's/^#+ +//p' "$1" | tr '[:upper:]' '[:lower:]' | sed -E -e 's/[^a-z0-9 _-]//g' -e 's/ /-/g' >"$file"
+  printf '%s' "$file"
 }
 
 check_links() {
-  local target path anchor
+  local target path anchor folder=$root/$page
+  folder=${folder%/*}
   while IFS= read -r target; do
     [[ $target =~ ^(https?|mailto): ]] && continue
     links=$((links + 1))
     path=${target%%#*} anchor=""
     [[ $target == *"#"* ]] && anchor=${target#*#}
-    if [[ -z $path ]]; then path=$root/$page; else path=$(dirname "$root/$page")/$path; fi
+    if [[ -z $path ]]; then path=$root/$page; else path=$folder/$path; fi
     if [[ ! -e $path ]]; then
       complain "$page: the link $target names nothing"
-    elif [[ -n $anchor ]] && ! grep -qxF -- "$anchor" <(anchors "$path"); then
+    elif [[ -n $anchor ]] && ! grep -qxF -- "$anchor" "$(anchors "$path")"; then
       complain "$page: the link $target names no heading"
     fi
   done < <(sed -E '/^```/,/^```/d' "$root/$page" | grep -oE '\]\([^) ]+\)' | sed -E 's/^\]\(|\)$//g')
