@@ -2,7 +2,7 @@
 # nightly.sh [STEP ...]: what takes too long for every landing. Each step prints what it did; its last lines
 # are kept in build/nightly/STEP.log, and build/nightly/results has a line per step: when, commit, step,
 # passed or FAILED, seconds. Exit 1 where one failed.
-#   long          the release build's suite, with all repetitions of laws and statistics: a landing takes a sixth
+#   long          the release build's suite, with all repetitions of laws and statistics: a landing takes a half to a sixth
 #   address       the whole suite under the address and undefined-behaviour sanitizers
 #   threads       what runs in parallel under the thread sanitizer
 #   clang         clang compiles every source of src and every public header alone, without a warning

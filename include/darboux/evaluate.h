@@ -17,6 +17,7 @@
 #include <type_traits>
 #include <typeinfo>
 
+#include <darboux/affine_map.h>
 #include <darboux/attributes.h>
 #include <darboux/curvature.h>
 #include <darboux/error.h>
@@ -188,6 +189,8 @@ struct ErasedSurface {
   bool tangent_depends_on_u_alone;
   bool proven;  // parameters so sized that lanes need not check each result for overflow
   void (*point)(const void*, T u, T v, Attributes, SignConvention, PointValues<T>&);
+  ErasedSurface (*base)(const void* placed) = nullptr;  // of a Placed surface
+  AffineMap<T> map{};                                   // of its base
 };
 
 template <class X, class T>
@@ -269,13 +272,20 @@ ErasedSurface<T> erase(const X& surface) {
   bool of_u_alone = false;
   if constexpr (requires { surface.tangent_depends_on_u_alone(); })
     of_u_alone = surface.tangent_depends_on_u_alone();
-  return {&surface,
-          &typeid(X),
-          X::info.u,
-          X::info.v,
-          of_u_alone,
-          sizes_are_proven<T>(surface),
-          &evaluate_point<X, T>};
+  ErasedSurface<T> result{&surface,
+                          &typeid(X),
+                          X::info.u,
+                          X::info.v,
+                          of_u_alone,
+                          sizes_are_proven<T>(surface),
+                          &evaluate_point<X, T>};
+  if constexpr (requires {
+                  { surface.affine_map() } -> std::same_as<AffineMap<T>>;
+                }) {
+    result.base = [](const void* placed) { return erase<T>(static_cast<const X*>(placed)->base); };
+    result.map = surface.affine_map();
+  }
+  return result;
 }
 
 StatusSummary evaluate(const ErasedSurface<double>&, const Points<double>&, const Outputs<double>&,
@@ -286,10 +296,10 @@ StatusSummary evaluate(const ErasedSurface<float>&, const Points<float>&, const 
 }  // namespace detail
 
 /// Evaluates a surface at all points. Surfaces of the catalogue run in SIMD lanes where their formulas allow
-/// it; all others run point by point. Values and statuses are bit for bit those of sample() and curvature(),
-/// whatever the instruction set, memory layout, number of threads and position in the batch. Where no frame
-/// exists, vectors are NaN. The status has overflow only for partials that were requested, and umbilic only
-/// if principal directions were.
+/// it, and so do Placed ones of these unless curvatures are requested; all others run point by point. Values
+/// and statuses are bit for bit those of sample() and curvature(), whatever the instruction set, memory
+/// layout, number of threads and position in the batch. Where no frame exists, vectors are NaN. The status
+/// has overflow only for partials that were requested, and umbilic only if principal directions were.
 ///
 /// Only requested attributes are computed, with two exceptions: the frame, because the status needs it; and
 /// higher derivatives of splines, if points run one by one or the surface has no closed-form frame. Outputs

@@ -13,6 +13,8 @@
 namespace darboux {
 namespace {
 
+namespace fs = std::filesystem;
+
 struct Arguments {
   std::vector<std::string> files;
   std::string surface = "auto", placement = "fit", reference = "analytic,triangles,local,mikktspace";
@@ -101,7 +103,6 @@ Policy policy_of(const Arguments& arguments) {
 
 // No output may overwrite an input or another output, or have an extension of another format.
 void check_outputs(const Arguments& arguments, const std::vector<AssessedFile>& files) {
-  namespace fs = std::filesystem;
   std::vector<std::pair<std::string, std::string>> taken;
   for (const AssessedFile& file : files) taken.emplace_back(file.path, "a file that is judged");
   if (!arguments.baseline.empty()) taken.emplace_back(arguments.baseline, "the baseline");
@@ -131,6 +132,9 @@ void run(const Arguments& arguments, Common& common) {
   const Policy policy = policy_of(arguments);
   if (arguments.github && common.json)
     throw ParameterError("--github", "expected text on standard output, got --json, which takes it");
+  for (const std::string& file : arguments.files)
+    if (common.json && fs::path(file).extension() == ".json" && !fs::exists(file))
+      throw ParameterError("--json", expected_got("no file name, as in --json > " + file, file));
   for (const auto& [option, file] : {std::pair{"--sarif", &arguments.sarif}, {"--junit", &arguments.junit}})
     if (is_standard_output(*file))
       throw ParameterError(option, expected_got("the name of a file", "-: standard output is taken"));

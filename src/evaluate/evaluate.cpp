@@ -5,6 +5,7 @@
 #include <darboux/evaluate.h>
 
 #include "base/parallel.h"
+#include "placed_worker.h"
 #include "worker.h"
 
 namespace darboux {
@@ -28,18 +29,22 @@ StatusSummary evaluate_all(const detail::ErasedSurface<T>& surface, const Points
   if (outputs.status_place() != nullptr) check_room("status", outputs.status_points());
   if (options.threads < 0)
     throw ParameterError("threads", "expected 0 (all) or more, got " + std::to_string(options.threads));
+  using evaluation::PlacedWorker;
+  const auto place = PlacedWorker<T>::kernel_for(surface, outputs, options);
   const evaluation::Call<T> call(surface, points, outputs, options);
+  const auto run = [&](std::size_t first, std::size_t last) {
+    return place != nullptr ? PlacedWorker<T>(place, surface, points, outputs, options).run(first, last)
+                            : evaluation::Worker<T>(call, last - first).run(first, last);
+  };
   const std::size_t threads =
       std::min({thread_count(options.threads), n / least_per_thread, std::size_t{1024}});
-  if (threads <= 1) return evaluation::Worker<T>(call, n).run(0, n);
+  if (threads <= 1) return run(0, n);
   std::array<StatusSummary, 1024> part;
   const auto begin_of = [&](std::size_t k) {
     return k == threads ? n : n / threads * k / kernels::batch_size<T> * kernels::batch_size<T>;
   };
   // One chunk per thread: more would keep no more threads busy.
-  parallel_tasks(threads, [&](std::size_t k) {
-    part[k] = evaluation::Worker<T>(call, begin_of(k + 1) - begin_of(k)).run(begin_of(k), begin_of(k + 1));
-  });
+  parallel_tasks(threads, [&](std::size_t k) { part[k] = run(begin_of(k), begin_of(k + 1)); });
   StatusSummary total;
   for (std::size_t k = 0; k < threads; ++k) {
     total.points += part[k].points;

@@ -51,7 +51,7 @@ struct CornerCounts {
   std::vector<Vec3<double>> planes;  // of each vertex, once needed
 
   // Whether only the triangles show these errors, at so few corners that slivers may be the cause.
-  bool are_few(Code code, std::size_t corners) const;
+  bool are_few(Code code, std::size_t corners, double limit_deg) const;
 };
 
 namespace reasons {
@@ -71,9 +71,10 @@ inline constexpr Reason unsure{
         "; outside the cone of their own triangles, which are too coarse to tell: neighbouring vertices "
         "allow it",
         "nothing, or refine the mesh there"},
-    few{"; fewer than 1 in 500 corners, told by their own triangles alone, which may have been cut or "
+    few{"; few corners, told by their own triangles alone, which may have been cut, subdivided or "
         "simplified since",
-        "nothing, if triangles were cut, simplified or quantised after tangents were computed; else "
+        "nothing, if triangles were cut, subdivided, simplified or quantised after tangents were computed; "
+        "else "
         "recompute tangents"},
     nearby{"; told by neighbouring vertices alone, so only what is beyond three times the limit counts", ""},
     lit_otherwise{

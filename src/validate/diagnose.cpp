@@ -32,6 +32,8 @@ struct Pair {
   Vec3<double> stored, t, b, v;  // unit; b perpendicular to t, on the side of v
   double w, raw;                 // raw: of the triangle, 0 without uv area
   double limit;                  // degrees
+  double rounding = 0;           // degrees by which rounding may have turned the reference
+  bool within(double deg) const { return deg <= limit + rounding; }
 };
 
 double angle_deg(const Vec3<double>& a, const Vec3<double>& b) {
@@ -62,7 +64,7 @@ std::vector<Pair> samples_of(const MeshUnderTest& under_test,
 template <class F>
 double share_within(const std::vector<Pair>& samples, F direction) {
   std::size_t within = 0;
-  for (const Pair& s : samples) within += angle_deg(s.stored, direction(s)) <= s.limit;
+  for (const Pair& s : samples) within += s.within(angle_deg(s.stored, direction(s)));
   return static_cast<double>(within) / static_cast<double>(samples.size());
 }
 
@@ -215,7 +217,7 @@ std::size_t different_off(const std::vector<Pair>& samples) {
   std::vector<Vec3<double>> different;
   for (const Pair& s : samples) {
     if (different.size() == least_different) break;
-    if (angle_deg(s.stored, s.t) > s.limit &&
+    if (!s.within(angle_deg(s.stored, s.t)) &&
         std::none_of(different.begin(), different.end(),
                      [&](const Vec3<double>& d) { return angle_deg(d, s.stored) < same_deg; }))
       different.push_back(s.stored);
@@ -257,7 +259,7 @@ std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, doubl
   if (along < 0) m = -m;
   std::size_t within = 0;
   for (const Pair& s : samples)
-    within += angle_deg(s.t, from_eigen(Eigen::Vector3d(m * to_eigen(s.stored)))) <= limit;
+    within += angle_deg(s.t, from_eigen(Eigen::Vector3d(m * to_eigen(s.stored)))) <= limit + s.rounding;
   if (static_cast<double>(within) < explains_most * static_cast<double>(samples.size())) return std::nullopt;
   const Eigen::Vector3d singular = singular_value_decomposition(m).values, scale = singular / singular[d - 1];
   if (!(scale[0] < 1e3)) return std::nullopt;
@@ -284,6 +286,8 @@ std::optional<std::string> rotation_of(const std::vector<Pair>& samples) {
   return ": by a map that turns";
 }
 
+constexpr double known_plane_deg = 30;  // planes that rounding may have turned further tell nothing
+
 // Unit normals of the triangles, oriented like the stored normals.
 std::vector<Vec3<double>> planes_of(const MeshUnderTest& under_test) {
   const double side = under_test.normals.all_oppose ? -1 : 1;
@@ -309,18 +313,24 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
   VertexJoins of_part;
   const std::vector<std::uint32_t>& joined = joins_of(under_test, of_part).position_and_normal;
   const std::vector<Vec3<double>> planes = planes_of(under_test);
+  // Of each vertex the plane that is known best.
   std::vector<Vec3<double>> plane(mesh.positions.size());
-  std::vector<double> rounding(mesh.positions.size(), 0);
+  std::vector<double> rounding(mesh.positions.size(), 180), rounding_of(mesh.triangles.size(), 180);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (!under_test.has_area[t]) continue;
+    rounding_of[t] = plane_rounding_deg(mesh, mesh.triangles[t]);
+    for (const std::uint32_t v : mesh.triangles[t])
+      if (const std::uint32_t at = joined[v]; rounding_of[t] < rounding[at])
+        plane[at] = planes[t], rounding[at] = rounding_of[t];
+  }
   std::vector<bool> is_bent(mesh.positions.size(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!under_test.has_area[t]) continue;
     const bool is_shaded_flat = has_one_normal(mesh, mesh.triangles[t], mesh.normals[mesh.triangles[t][0]]);
-    const double turned = plane_rounding_deg(mesh, mesh.triangles[t]);
     for (const std::uint32_t v : mesh.triangles[t]) {
       const std::uint32_t at = joined[v];
-      if (plane[at] == Vec3<double>{}) plane[at] = planes[t];
-      rounding[at] = std::fmax(rounding[at], turned);
-      is_bent[at] = is_bent[at] || !is_shaded_flat || !(angle_deg(plane[at], planes[t]) <= same_plane);
+      is_bent[at] = is_bent[at] || !is_shaded_flat ||
+                    !(angle_deg(plane[at], planes[t]) <= same_plane + rounding[at] + rounding_of[t]);
     }
   }
   const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / most_samples);
@@ -328,8 +338,10 @@ std::vector<Pair> normals_of_facets(const MeshUnderTest& under_test, double limi
   for (std::size_t v = 0; v < mesh.positions.size(); v += step) {
     const Vec3<double>& n = mesh.normals[v];
     const Vec3<double>& across = plane[joined[v]];
-    if (across == Vec3<double>{} || is_bent[joined[v]] || !detail::finite(n) || n == Vec3<double>{}) continue;
-    samples.push_back({v, unit(n), across, {}, {}, 1, 1, limit + rounding[joined[v]]});
+    if (!(rounding[joined[v]] <= known_plane_deg) || is_bent[joined[v]] || !detail::finite(n) ||
+        n == Vec3<double>{})
+      continue;
+    samples.push_back({v, unit(n), across, {}, {}, 1, 1, limit, rounding[joined[v]]});
   }
   return samples;
 }
@@ -373,7 +385,7 @@ std::vector<Pair> without_polygons(const MeshUnderTest& under_test, std::vector<
   });
   samples.erase(
       std::remove_if(samples.begin(), samples.end(),
-                     [&](const Pair& s) { return rounded[s.corner] && angle_deg(s.stored, s.t) > s.limit; }),
+                     [&](const Pair& s) { return rounded[s.corner] && !s.within(angle_deg(s.stored, s.t)); }),
       samples.end());
   return samples;
 }
@@ -385,19 +397,18 @@ std::vector<Pair> normals_of_averages(const MeshUnderTest& under_test, double li
   const std::vector<std::uint32_t>& joined = joins_of(under_test, of_part).position_and_normal;
   const std::vector<Vec3<double>> planes = planes_of(under_test);
   std::vector<Vec3<double>> sums(mesh.positions.size());
-  std::vector<double> rounding(mesh.positions.size(), 0);
+  std::vector<double> rounding(mesh.positions.size(), 0), angles(mesh.positions.size(), 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (!under_test.has_area[t]) continue;
     const Triangle& triangle = mesh.triangles[t];
     const double turned = plane_rounding_deg(mesh, triangle);
     for (int k = 0; k < 3; ++k) {
       const std::uint32_t at = joined[triangle[static_cast<std::size_t>(k)]];
-      rounding[at] = std::fmax(rounding[at], turned);
-      Vec3<double>& sum = sums[at];
-      sum = sum +
-            corner_angle(
-                {mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]}, k) *
-                planes[t];
+      const double angle = corner_angle(
+          {mesh.positions[triangle[0]], mesh.positions[triangle[1]], mesh.positions[triangle[2]]}, k);
+      sums[at] = sums[at] + angle * planes[t];
+      rounding[at] += angle * turned;
+      angles[at] += angle;
     }
   }
   const std::size_t step = std::max<std::size_t>(1, mesh.positions.size() / most_samples);
@@ -405,9 +416,11 @@ std::vector<Pair> normals_of_averages(const MeshUnderTest& under_test, double li
   for (std::size_t v = 0; v < mesh.positions.size(); v += step) {
     const Vec3<double>& n = mesh.normals[v];
     const Vec3<double> average = unit(sums[joined[v]]);
-    if (average == Vec3<double>{} || !detail::finite(average) || !detail::finite(n) || n == Vec3<double>{})
+    const double turned = rounding[joined[v]] / angles[joined[v]];
+    if (average == Vec3<double>{} || !(turned <= known_plane_deg) || !detail::finite(average) ||
+        !detail::finite(n) || n == Vec3<double>{})
       continue;
-    samples.push_back({v, unit(n), average, {}, {}, 1, 1, limit + rounding[joined[v]]});
+    samples.push_back({v, unit(n), average, {}, {}, 1, 1, limit, turned});
   }
   return samples;
 }

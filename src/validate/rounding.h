@@ -27,14 +27,34 @@ inline double tangent_rounding(const Mesh& mesh, std::uint32_t v) {
 
 // Degrees by which rounding of the positions may have turned the plane of a triangle; 180 without one.
 inline double plane_rounding_deg(const Mesh& mesh, const Triangle& triangle) {
-  const auto& [i, j, k] = triangle;
-  const std::array<Vec3<double>, 3> p{mesh.positions[i], mesh.positions[j], mesh.positions[k]};
-  double size = 0;
-  for (const Vec3<double>& q : p) size = std::max({size, std::fabs(q.x), std::fabs(q.y), std::fabs(q.z)});
-  const double step = half_step(mesh.half_steps.position, size);
-  const Vec3<double> e1 = p[1] - p[0], e2 = p[2] - p[0];
-  const double of_area = 2 * std::numbers::sqrt3 * step * (norm(e1) + norm(e2) + 2 * step);
-  const double sine = of_area / norm(cross(e1, e2));
+  using Numbers = std::array<double, 3>;
+  std::array<Numbers, 3> p;
+  Numbers largest{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3<double>& a = mesh.positions[triangle[k]];
+    p[k] = {a.x, a.y, a.z};
+    for (std::size_t c = 0; c < 3; ++c) largest[c] = std::fmax(largest[c], std::fabs(p[k][c]));
+  }
+  const double size = std::max({largest[0], largest[1], largest[2]});
+  if (!(size > 0) || !std::isfinite(size)) return 180;
+  Numbers step, edges{};  // relative to the size: no product leaves the range
+  for (std::size_t c = 0; c < 3; ++c) {
+    step[c] = half_step(mesh.half_steps.position, largest[c]) / size;
+    for (Numbers& a : p) a[c] /= size;
+    for (std::size_t k = 0; k < 3; ++k) edges[c] += std::fabs(p[(k + 1) % 3][c] - p[k][c]);
+  }
+  const Vec3<double> e1{p[1][0] - p[0][0], p[1][1] - p[0][1], p[1][2] - p[0][2]},
+      e2{p[2][0] - p[0][0], p[2][1] - p[0][1], p[2][2] - p[0][2]}, area = cross(e1, e2);
+  const double twice_area = norm(area);
+  if (!(twice_area > 0)) return 180;
+  // What each component of the area may have changed by, as far as it turns the plane.
+  double sine = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::size_t d = (c + 1) % 3, e = (c + 2) % 3;
+    const double along = (c == 0 ? area.x : c == 1 ? area.y : area.z) / twice_area;
+    sine += (step[d] * edges[e] + step[e] * edges[d] + 6 * step[d] * step[e]) *
+            std::sqrt(std::fmax(0.0, 1 - along * along)) / twice_area;
+  }
   return sine < 1 ? degrees_per_radian * std::asin(sine) : 180;
 }
 

@@ -72,8 +72,13 @@ class MeshValidation {
     for (const Triangle& triangle : mesh_.triangles)
       for (const std::uint32_t v : triangle) ++corners_of_[v];
     accurate_ = Accurate(under_test, checks_, corners_of_, truth, basis, signs_.raw(), options.max_angle_deg);
-    if (accurate_.known() && !accurate_.declared())
+    if (accurate_.known() && !accurate_.declared()) {
       authored_ = darboux::may_be_authored(under_test_, accurate_);
+      is_beside_pole_.assign(mesh_.positions.size(), false);
+      for (const Triangle& triangle : mesh_.triangles)
+        if (std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t v) { return is_pole(v); }))
+          for (const std::uint32_t v : triangle) is_beside_pole_[v] = true;
+    }
     averages_ = Averages(under_test, accurate_, checks_, corners_of_);
     if (!under_test.local.empty())
       smooth_ = check_smooth(under_test, accurate_, checks_, signs_.raw(), options.max_angle_deg);
@@ -110,6 +115,14 @@ class MeshValidation {
   bool is_pole(std::uint32_t v) const { return classes_.of_vertex[v] == VertexClass::pole; }
   // At the boundary of a recognised surface, artists blend its normals into the adjacent surface, and
   // tangents follow.
+  // Whether the tangent is in the cone of its triangles. At a seam beside a pole one of the two that give it
+  // may have no area: they cannot judge it.
+  bool may_follow_triangles(std::uint32_t v, int sign) const {
+    const Claim claim = under_test_.cones.claim(v, sign);
+    return claim == Claim::within ||
+           (claim == Claim::none && is_beside_pole_[v] && classes_.of_vertex[v] == VertexClass::seam &&
+            accurate_.angles(v).projected_tangent < 90);
+  }
   bool may_be_authored(std::uint32_t v) const { return !authored_.empty() && authored_[v]; }
   std::string worst_text(double worst, const std::string& more = {}) const {
     return (worst > 0 ? " (worst " + rounded(worst, 4) + " deg, limit " : std::string(" (limit ")) +
@@ -183,7 +196,8 @@ class MeshValidation {
   std::vector<std::uint32_t> corners_of_;  // number of corners per vertex
   Signs signs_;
   Accurate accurate_;
-  std::vector<bool> authored_;  // of a recognised surface
+  std::vector<bool> is_beside_pole_;  // empty where the surface is declared or unknown
+  std::vector<bool> authored_;        // of a recognised surface
   Averages averages_;
   Smooth smooth_;
   bool tangents_diagnosed_ = false;
@@ -237,10 +251,9 @@ MeshValidation::Decider MeshValidation::tangent_error(const CornerGroup& group) 
     const Claim claim = accurate_.tangent(v);
     if (claim == Claim::within) return Decider::nobody;
     if (is_hidden(v) && !accurate_.declared()) return Decider::nobody;
-    // At a seam every tool sees one side only: with few columns its tangents are far from the surface's, and
-    // next to a pole the triangles may not be able to judge.
+    // At a seam every tool sees one side only: with few columns its tangents are far from the surface's.
     const bool authored = may_be_authored(v) && !tangents_diagnosed_ && !under_test_.cones.empty() &&
-                          under_test_.cones.claim(v, group.sign) != Claim::beyond;
+                          may_follow_triangles(v, group.sign);
     if (claim == Claim::beyond && accurate_.decides(accurate_.tangents_agree(), tangents_diagnosed_))
       return authored || is_average_tangent(v, group.sign) ? Decider::nobody : Decider::surface;
   }
@@ -446,7 +459,7 @@ void MeshValidation::add_errors(const CornerCounts& counts) {
   for (std::size_t k = 0; k < corner_errors; ++k) {
     const auto code = static_cast<Code>(k);
     if (counts.of_error[k] == 0) continue;
-    if (counts.are_few(code, mesh_.corners())) {
+    if (counts.are_few(code, mesh_.corners(), options_.max_angle_deg)) {
       add(report_, warning(code, counts.of_error[k], more(code), reasons::few));
       continue;
     }

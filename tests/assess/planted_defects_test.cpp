@@ -561,6 +561,9 @@ TEST(PlantedDefects, FlatNormalsOfRoundedPositionsAreNotStale) {
     Mesh mesh = in_facets(corners);
     for (Vec3<double>& p : mesh.positions) p.z = static_cast<float>(p.z - 5412345);
     EXPECT_FALSE(codes(assess_parts(mesh)).contains("NORMAL_STALE")) << pyramid;
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(1, Eigen::Vector3d(0, 1, 0)).toRotationMatrix();
+    for (Vec3<double>& n : mesh.normals) n = from_eigen(turn * to_eigen(n));
+    EXPECT_TRUE(codes(assess_parts(mesh)).contains("NORMAL_STALE")) << pyramid;
   }
 }
 

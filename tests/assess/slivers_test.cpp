@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -11,6 +12,8 @@
 
 #include <darboux/assess.h>
 #include <darboux/frame.h>
+
+#include "coarse_sphere.h"
 
 namespace darboux::slivers_test {
 namespace {
@@ -95,6 +98,44 @@ TEST(Slivers, FewTangentsOutsideTheirConesAreAWarning) {
   }
   // 24 of 9600 corners are more than 1 in 500.
   EXPECT_EQ(count_of(turned(mesh, 4), "TANGENT_ANGLE", Severity::error), 24u);
+}
+
+// A coarse sphere with MikkTSpace's tangents, then every triangle cut into four: what is stored in the middle
+// of an edge is the mean of its ends, as a renderer interpolates.
+Mesh subdivided_sphere(std::uint32_t columns, std::uint32_t rows) {
+  Mesh mesh = test::coarse_sphere(columns, rows);
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
+  const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+    const auto [it, is_new] =
+        middles.try_emplace(std::minmax(a, b), static_cast<std::uint32_t>(mesh.positions.size()));
+    if (!is_new) return it->second;
+    mesh.positions.push_back(0.5 * (mesh.positions[a] + mesh.positions[b]));
+    mesh.uvs.push_back({(mesh.uvs[a].x + mesh.uvs[b].x) / 2, (mesh.uvs[a].y + mesh.uvs[b].y) / 2});
+    const V n = unit(mesh.normals[a] + mesh.normals[b]), t = mesh.tangents[a].xyz() + mesh.tangents[b].xyz(),
+            along = unit(t - dot(t, n) * n);
+    mesh.normals.push_back(n);
+    mesh.tangents.push_back({along.x, along.y, along.z, mesh.tangents[a].w});
+    return it->second;
+  };
+  std::vector<Triangle> triangles;
+  for (const auto& [a, b, c] : std::vector<Triangle>(mesh.triangles)) {
+    const std::uint32_t ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
+    for (const Triangle& t : {Triangle{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}})
+      triangles.push_back(t);
+  }
+  mesh.triangles = std::move(triangles);
+  return mesh;
+}
+
+TEST(Slivers, SubdividedSpheresPass) {
+  std::size_t warnings = 0;
+  for (const std::uint32_t columns : {8u, 10u, 12u, 16u})
+    for (const std::uint32_t rows : {6u, 8u}) {
+      const Mesh mesh = subdivided_sphere(columns, rows);
+      EXPECT_EQ(count_of(mesh, "TANGENT_ANGLE", Severity::error), 0u) << columns << ' ' << rows;
+      warnings += count_of(mesh, "TANGENT_ANGLE", Severity::warning);
+    }
+  EXPECT_GT(warnings, 0u) << "nothing is tested";
 }
 
 TEST(Slivers, FewNormalsAcrossTheirTrianglesAreAWarning) {

@@ -21,6 +21,7 @@
 #include <darboux/blocks.h>
 #include <darboux/catalogue.h>
 #include <darboux/evaluate.h>
+#include <darboux/placed.h>
 
 #include "baselines.h"
 #include "groups.h"
@@ -349,6 +350,16 @@ Group catalogue_group() {
                        outputs<double>(Layout::separate, Wanted::all, place(), few));
     });
   }
+  // As a scene places it: turned, scaled unevenly, moved.
+  const AnySurface placed(Placed{Torus{1.0, 0.25}, {0.6, 0, 1.6, 0.8, 0, -1.2, 0, 0.5, 0}, {1, 2, 3}});
+  for (const InstructionSet set : {InstructionSet::points, instruction_sets().back()})
+    group.add("placed torus", set == InstructionSet::points ? "points" : best_of_ours(), few, [=] {
+      placed.evaluate(
+          random_points<double>(few),
+          outputs<double>(Layout::separate, Wanted::all,
+                          destination_of<double>(Layout::separate, Wanted::all, reused(), few), few),
+          {.instruction_set = set});
+    });
   return group;
 }
 

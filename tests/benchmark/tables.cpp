@@ -274,6 +274,9 @@ class Report {
                 << nanoseconds(g.at(name, best_of_ours())) << " | " << number(times, 2) << " | "
                 << (times >= 5 ? "" : "**below 5**") << " |\n";
     }
+    const Timing &points = g.at("placed torus", "points"), &ours = g.at("placed torus", best_of_ours());
+    std::cout << "\nA placed torus: " << nanoseconds(ours) << " ns; point by point " << nanoseconds(points)
+              << ", " << number(ratio(points, ours), 1) << " times as long.\n";
   }
 
   void threads() const {

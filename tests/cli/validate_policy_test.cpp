@@ -78,6 +78,7 @@ TEST_F(Policy, AnnotationsOfGitHub) {
   EXPECT_NE(out.find("\n::warning file=data/plainsphere_016.three.glb,title=TANGENT_HANDEDNESS_CONVENTION::"),
             std::string::npos);
   refused(bad_ + " --github --json", {"--github", "--json"});
+  refused(bad_ + " --json report.json", {"--json", "> report.json"});
 
   // With a baseline only what there is more of than then; the rest is counted.
   good(bad_ + " --json > old.json", 1);

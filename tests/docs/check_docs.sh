@@ -21,7 +21,6 @@ export LC_ALL=C
 root=$(realpath "$1") tool=$(realpath "$2") examples=$(realpath "$3") update=${4:-}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-mkdir "$work/anchors"
 failures=0 blocks=0 links=0
 
 complain() {
@@ -118,12 +117,11 @@ check_blocks() {
   fi
 }
 
-# A file with the names that headings of a page have in links.
+# The names that headings of a page have in links, one per line.
 anchors() {
-  local file=$work/anchors/${1//\//|}
-  [[ -e $file ]] || sed -nE 's/^#+ +//p' "$1" | tr '[:upper:]' '[:lower:]' | sed -E -e 's/[^a-z0-9 _-]//g' -e 's/ /-/g' >"$file"
-  printf '%s' "$file"
+  sed -nE 's/^#+ +//p' "$1" | tr '[:upper:]' '[:lower:]' | sed -E -e 's/[^a-z0-9 _-]//g' -e 's/ /-/g'
 }
+declare -A anchors_of
 
 check_links() {
   local target path anchor folder=$root/$page
@@ -136,8 +134,9 @@ check_links() {
     if [[ -z $path ]]; then path=$root/$page; else path=$folder/$path; fi
     if [[ ! -e $path ]]; then
       complain "$page: the link $target names nothing"
-    elif [[ -n $anchor ]] && ! grep -qxF -- "$anchor" "$(anchors "$path")"; then
-      complain "$page: the link $target names no heading"
+    elif [[ -n $anchor ]]; then
+      [[ -n ${anchors_of[$path]+known} ]] || anchors_of[$path]=$(anchors "$path")
+      [[ $'\n'${anchors_of[$path]}$'\n' == *$'\n'"$anchor"$'\n'* ]] || complain "$page: the link $target names no heading"
     fi
   done < <(sed -E '/^```/,/^```/d' "$root/$page" | grep -oE '\]\([^) ]+\)' | sed -E 's/^\]\(|\)$//g')
 }

@@ -30,7 +30,7 @@ void expect_noise(double sum_of_ratios, double runs, const std::string& kind) {
 TEST(FitPointsStatistics, TheErrorIsNearTheBound) {
   std::map<std::string, std::pair<double, int>> sums;
   std::map<std::string, double> ratios;
-  const std::size_t sets = 270 / thinning();
+  const std::size_t sets = 270 / thinning(3);
   for (std::size_t seed = 0; seed < sets; ++seed) {
     const Outcome outcome = outcome_of("efficiency", seed, count);
     ASSERT_TRUE(outcome.success()) << "efficiency " << seed << ": " << outcome.mahalanobis << ' '
@@ -50,7 +50,7 @@ TEST(FitPointsStatistics, TheErrorIsNearTheBound) {
 }
 
 TEST(FitPointsStatistics, NoFailureAtTwentyPercentOutliers) {
-  for (std::size_t seed = 0; seed < static_cast<std::size_t>(240 / thinning()); ++seed) {
+  for (std::size_t seed = 0; seed < static_cast<std::size_t>(240 / thinning(3)); ++seed) {
     const Outcome outcome = outcome_of("success-20", seed, count);
     EXPECT_TRUE(outcome.success()) << "success-20 " << seed << ": " << outcome.mahalanobis << ' '
                                    << outcome.reason;
@@ -59,7 +59,7 @@ TEST(FitPointsStatistics, NoFailureAtTwentyPercentOutliers) {
 
 // At most 1 % failures: of 120 sets 1.2, and four standard deviations of the binomial distribution more.
 TEST(FitPointsStatistics, FewFailuresAtFortyPercentOutliers) {
-  const std::size_t sets = 120 / thinning();
+  const std::size_t sets = 120 / thinning(3);
   double failures = 0, ratios = 0;
   for (std::size_t seed = 0; seed < sets; ++seed) {
     const Outcome outcome = outcome_of("success-40", seed, count);
@@ -83,7 +83,7 @@ TEST(FitPointsStatistics, IntervalsOfFramesCover) {
       EXPECT_NEAR(inside / all, 0.95, margin) << what << " of " << all;
     }
   } normals, frames;
-  for (std::size_t seed = 0; seed < static_cast<std::size_t>(300 / thinning()); ++seed) {
+  for (std::size_t seed = 0; seed < static_cast<std::size_t>(300 / thinning(3)); ++seed) {
     const Outcome outcome = outcome_of("frames", seed, count);
     ASSERT_TRUE(outcome.success()) << "frames " << seed << ": " << outcome.mahalanobis << ' '
                                    << outcome.reason;
@@ -96,7 +96,7 @@ TEST(FitPointsStatistics, IntervalsOfFramesCover) {
 
 // At most 0.5 % undetermined, none wrong.
 TEST(FitPointsStatistics, TheKindIsFound) {
-  const std::size_t sets = 120 / thinning();
+  const std::size_t sets = 120 / thinning(3);
   double undetermined = 0;
   for (std::size_t seed = 0; seed < sets; ++seed) {
     const Outcome outcome = outcome_of("auto", seed, count);

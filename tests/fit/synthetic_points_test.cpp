@@ -98,7 +98,7 @@ PlacedSurface surface_at(const SyntheticPoints& points, const Eigen::VectorXd& q
 // The judge's expectation. Over M sets of n parameters the mean of e^T I e / n scatters by sqrt(2 / (n M)); a
 // wrong formula for a distance, a wrong information or a wrong symmetry moves it by far more.
 TEST(SyntheticPoints, TheOracleReachesTheBound) {
-  const int sets = 120 / test::thinning();
+  const int sets = 120 / test::thinning(3);
   for (const std::string_view kind : kinds)
     for (const double coverage : {1.0, 0.25}) {
       PortableRandom random(seed);

@@ -12,12 +12,11 @@ inline constexpr bool slow_build = false;
 #endif
 
 /// Of the repetitions of a law a run takes one in this many: all of them where DARBOUX_LONG_TESTS is set in
-/// the environment (tests/nightly.sh long), a sixth at a landing, a tenth in slow builds. Those that remain
-/// are the first, by the same seeds.
-inline int thinning() {
+/// the environment (tests/nightly.sh long), one in `at_landing` at a landing, a tenth in slow builds.
+inline int thinning(int at_landing = 6) {
   if (slow_build) return 10;
   static const bool is_long = std::getenv("DARBOUX_LONG_TESTS") != nullptr;
-  return is_long ? 1 : 6;
+  return is_long ? 1 : at_landing;
 }
 
 /// Of nested loops of at least three turns the combinations whose indices have such a sum: a third, but each

@@ -121,7 +121,7 @@ OnCatalogue on_catalogue(std::uint64_t seed, double reach, const Method& method)
   OnCatalogue result;
   for (const Case& surface : cases()) {
     const std::array polynomial{is_polynomial({surface, 0.3, 0.4, 0}), is_polynomial({surface, 0.3, 0.4, 1})};
-    const int points = many_points / static_cast<int>(cases().size()) / thinning();
+    const int points = many_points / static_cast<int>(cases().size()) / thinning(3);
     for (int i = 0; i < points; ++i) {
       const int along = i % 2;
       const double u = random.uniform(reach, 1 - reach), v = random.uniform(reach, 1 - reach),

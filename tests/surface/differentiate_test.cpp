@@ -306,7 +306,7 @@ template <class Method>
 Quality dual_quality(Which which, Method method) {
   Random random(7);
   Quality q;
-  for (int i = 0; i < many_points / thinning(); ++i) {
+  for (int i = 0; i < many_points / thinning(3); ++i) {
     const Formula f{random.log_uniform(0.2, 5)};
     const double x = random.uniform(0.01, 2);
     const DerivativeEstimate d = method(f, x);

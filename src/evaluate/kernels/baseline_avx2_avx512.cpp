@@ -4,6 +4,7 @@
 #include "kernel_list.h"
 #include "lanes.h"
 #include "layout.h"
+#include "placement.h"
 #include "work.h"
 
 namespace darboux::kernels {
@@ -42,6 +43,8 @@ extern const Kernels DARBOUX_TABLE(DARBOUX_ISA);
 constinit const Kernels DARBOUX_TABLE(DARBOUX_ISA){prepare_by_coordinate<double>(),
                                                    prepare_by_coordinate<float>(),
                                                    kernels_by_surface(),
+                                                   &place<double>,
+                                                   &place<float>,
                                                    stores_can_pass_caches,
                                                    &stream_lines,
                                                    &fence};

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <darboux/affine_map.h>
 #include <darboux/attributes.h>
 
 namespace darboux::kernels {
@@ -106,12 +107,37 @@ struct SurfaceKernels {
   std::array<Kernel<float>, 3> in_float;
 };
 
+/// Rows of numbers, one per attribute's component, of some points.
+enum PlacedRow : std::uint8_t {
+  tangent_row = 0,
+  bitangent_row = 3,
+  normal_row = 6,
+  handedness_row = 9,
+  first_vector_row = 10,  ///< position; then dpdu, dpdv, d2pdu2, d2pduv, d2pdv2
+  placed_rows = 28,
+};
+inline constexpr std::size_t placed_points = 256;  ///< of a block: its rows fit into the caches
+
+/// Points of a surface that are to be placed, in place.
+template <class T>
+struct PlacedBlock {
+  const AffineMap<T>* map;
+  const typename AffineMap<T>::template NormalMap<T>* normals;
+  std::size_t count;      ///< of points; rows are read to the end of the last batch
+  bool frames;            ///< tangent, normal and handedness are given, and moved; the bitangent is computed
+  std::uint32_t vectors;  ///< bit k: row first_vector_row + 3 k is given
+  std::array<T, placed_points + batch_size<T>>* rows;
+  bool* left;  ///< of each point, to be set where it is left to the single-point functions
+};
+
 /// The kernels of one instruction set.
 struct Kernels {
   std::array<Prepare<double>, 4> prepare_double;  ///< by Coordinate
   std::array<Prepare<float>, 4> prepare_float;
   std::array<const SurfaceKernels*, most_surfaces> surface;  ///< by the catalogue's order
-  bool pass_caches;                                          ///< whether stream_lines can
+  void (*place_double)(const PlacedBlock<double>&);
+  void (*place_float)(const PlacedBlock<float>&);
+  bool pass_caches;  ///< whether stream_lines can
   /// Copies whole lines past the caches; both addresses are aligned to them.
   void (*stream_lines)(char* to, const char* from, std::size_t lines);
   /// Orders streamed data before subsequent writes of this thread.
