@@ -20,8 +20,7 @@ namespace {
 constexpr std::uint64_t seed = 20261121;
 constexpr double tolerance = 0.15;  // of an order, over at least three refinements
 
-const std::vector<int> resolutions{8, 16, 32, 64},
-    many_resolutions = test::thinning() > 1 ? resolutions : std::vector<int>{8, 16, 32, 64, 128};
+const std::vector<int> resolutions{8, 16, 32, 64}, many_resolutions{8, 16, 32, 64, 128};
 
 ConvergeOptions options(const std::string& surface, const std::vector<std::string>& meshes,
                         std::vector<std::string> methods = {}) {

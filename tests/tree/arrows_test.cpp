@@ -55,6 +55,7 @@ const std::map<std::string, std::string> folder_of_header{{"attributes", "base"}
                                                           {"scalar", "base"},
                                                           {"vector", "base"},
                                                           {"adaptor", "surface"},
+                                                          {"affine_map", "surface"},
                                                           {"curve", "surface"},
                                                           {"framed_curve", "surface"},
                                                           {"differentiate", "surface"},
