@@ -21,8 +21,9 @@ inline void add_mikktspace(Mesh& mesh) {
   }
 }
 
-/// A grid over (u, v) whose first and last row lie at the poles, with triangles without area there.
-inline Mesh coarse_sphere(std::uint32_t columns, std::uint32_t rows) {
+/// A grid over (u, v) whose first and last row lie at the poles, with or without the triangles there that
+/// have no area.
+inline Mesh coarse_sphere(std::uint32_t columns, std::uint32_t rows, bool with_degenerate) {
   Mesh mesh;
   const AnySurface sphere = make_surface("sphere");
   for (std::uint32_t j = 0; j <= rows; ++j)
@@ -33,8 +34,8 @@ inline Mesh coarse_sphere(std::uint32_t columns, std::uint32_t rows) {
       mesh.normals.push_back(s.frame.n);
       if (i == columns || j == rows) continue;
       const std::uint32_t a = j * (columns + 1) + i, above = a + columns + 1;
-      mesh.triangles.push_back({a, a + 1, above});
-      mesh.triangles.push_back({a + 1, above + 1, above});
+      if (with_degenerate || j > 0) mesh.triangles.push_back({a, a + 1, above + 1});
+      if (with_degenerate || j + 1 < rows) mesh.triangles.push_back({a, above + 1, above});
     }
   add_mikktspace(mesh);
   return mesh;
