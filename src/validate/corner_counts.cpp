@@ -22,8 +22,9 @@ Finding warning(Code code, std::size_t count, const std::string& more, const Rea
 }
 
 bool CornerCounts::are_few(Code code, std::size_t corners, double limit_deg) const {
-  constexpr std::size_t most = 24;
-  const std::size_t in = tangents.worst <= 3 * limit_deg ? 80 : 500;
+  constexpr std::size_t most = 24, most_near = 12;
+  const bool near = tangents.by_triangles <= most_near && tangents.worst <= 2.5 * limit_deg;
+  const std::size_t in = near ? 80 : 500;
   return code == Code::tangent_angle && tangents.by_surface == 0 && in * tangents.by_triangles < corners &&
          tangents.by_triangles <= most;
 }
