@@ -12,25 +12,28 @@
 
 namespace darboux {
 
-/// p -> A p + translation, det A ≠ 0. Its numbers are lifted to the scalar S of what is mapped.
+/// p -> A p + translation, det A ≠ 0, in the units of p: how Placed places a surface. Its numbers are
+/// lifted to the scalar S of what is mapped. Nothing is checked or thrown: of a singular A the unit vectors are zero
+/// or any, of numbers that are not finite NaN. Placed::refusal() finds both.
 template <class T = double>
 struct AffineMap {
   std::array<T, 9> A{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row by row
   Vec3<T> translation{};
 
-  /// The inverse transpose of A times |det A|, up to a power of two, column by column; and the sign of det A.
+  /// What A does to normals: its cofactors, which are det A times the inverse transpose, column by column and
+  /// times a power of two; and the sign of det A, 1 or -1.
   template <class S>
   struct NormalMap {
     Vec3<S> x, y, z;
     S sign;
-    /// The unit normal where n was.
+    /// The unit normal where the surface's was n, on the same side of it.
     Vec3<S> operator()(const Vec3<S>& n) const {
       const Vec3<S> m = unit(n.x * x + n.y * y + n.z * z);
       return sign < lift<S>(0.0) ? -m : m;
     }
   };
 
-  /// A p. Terms with factor 0 are left out: the coordinate may be infinite.
+  /// A p, for directions and derivatives. Terms with factor 0 are left out: the coordinate may be infinite.
   template <class S>
   Vec3<S> linear(const Vec3<S>& p) const {
     const auto row = [&](std::size_t k) {
@@ -42,12 +45,14 @@ struct AffineMap {
     };
     return {row(0), row(3), row(6)};
   }
+  /// A p + translation, for positions.
   template <class S>
   Vec3<S> point(const Vec3<S>& p) const {
     return linear(p) + Vec3<S>{lift<S>(translation.x), lift<S>(translation.y), lift<S>(translation.z)};
   }
 
-  /// By the cofactors, which are det A times the inverse transpose; A is scaled first to avoid overflow.
+  /// Computed once for many normals: three cross products with errors of a rounding or two. A is scaled
+  /// first, so that none overflows.
   template <class S>
   NormalMap<S> of_normals() const {
     double largest = 0;
@@ -61,7 +66,8 @@ struct AffineMap {
     return {x, y, z, lift<S>(dot(column(0), x) < lift<S>(0.0) ? -1.0 : 1.0)};
   }
 
-  /// t by A, n by the inverse transpose, the handedness by the sign of det A. \param normals of_normals()
+  /// t = unit(A t), n by the inverse transpose, b = unit(n x t), the handedness times the sign of det A; the
+  /// status stays. Some 12 roundings times the condition number of A. \param normals of_normals()
   template <class S>
   Frame<S> frame(const Frame<S>& f, const NormalMap<S>& normals) const {
     const Vec3<S> t = unit(linear(f.t)), n = normals(f.n);

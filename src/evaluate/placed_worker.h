@@ -54,25 +54,14 @@ class PlacedWorker {
     block_.vectors = 0;
     block_.rows = rows_.data();
     block_.left = left_.data();
-    const auto base_writes = [&](Attribute a, std::size_t row) {
+    for (std::size_t k = 0; k < placed_vectors.size(); ++k)
+      if (outputs.attributes().has(placed_vectors[k])) block_.vectors |= 1u << k;
+    for_each_given([&](Attribute a, std::size_t row) {
       std::array<std::span<T>, 3> components;
       const std::size_t n = info_of(a).components;
-      for (std::size_t c = 0; c < n; ++c) {
-        components[c] = {rows_[row + c].data(), kernels::placed_points};
-        is_given_[row + c] = true;
-      }
+      for (std::size_t c = 0; c < n; ++c) components[c] = {rows_[row + c].data(), kernels::placed_points};
       base_outputs_.separate(a, std::span<const std::span<T>>(components.data(), n));
-    };
-    if (block_.frames) {
-      base_writes(Attribute::tangent, kernels::tangent_row);
-      base_writes(Attribute::normal, kernels::normal_row);
-      base_writes(Attribute::handedness, kernels::handedness_row);
-    }
-    for (std::size_t k = 0; k < placed_vectors.size(); ++k) {
-      if (!outputs.attributes().has(placed_vectors[k])) continue;
-      block_.vectors |= 1u << k;
-      base_writes(placed_vectors[k], kernels::first_vector_row + 3 * k);
-    }
+    });
     base_outputs_.status(base_statuses_);
   }
   PlacedWorker(const PlacedWorker&) = delete;
@@ -101,11 +90,26 @@ class PlacedWorker {
   }
 
  private:
+  // Calls f(attribute, its first row) for what the base writes.
+  template <class F>
+  void for_each_given(F f) const {
+    if (block_.frames) {
+      f(Attribute::tangent, kernels::tangent_row);
+      f(Attribute::normal, kernels::normal_row);
+      f(Attribute::handedness, kernels::handedness_row);
+    }
+    for (std::size_t k = 0; k < placed_vectors.size(); ++k)
+      if ((block_.vectors >> k & 1u) != 0) f(placed_vectors[k], kernels::first_vector_row + 3 * k);
+  }
+
   // Repeats the last point to the end of a register: lanes without a value would diverge.
   void complete_registers() {
-    const std::size_t n = block_.count;
-    for (std::size_t r = 0; n % batch_size<T> != 0 && r < rows_.size(); ++r)
-      if (is_given_[r]) std::fill_n(&rows_[r][n], batch_size<T> - n % batch_size<T>, rows_[r][n - 1]);
+    const std::size_t n = block_.count, in_last = n % batch_size<T>;
+    if (in_last == 0) return;
+    for_each_given([&](Attribute a, std::size_t row) {
+      for (std::size_t r = row; r < row + info_of(a).components; ++r)
+        std::fill_n(&rows_[r][n], batch_size<T> - in_last, rows_[r][n - 1]);
+    });
   }
 
   void write(Attribute a, std::size_t component, std::size_t at, const T* values, std::size_t count) const {
@@ -159,7 +163,6 @@ class PlacedWorker {
   kernels::PlacedBlock<T> block_{};
   Statuses<T> statuses_;
   detail::PointValues<T> values_;
-  std::array<bool, kernels::placed_rows> is_given_{};  // of each row, whether the base writes it
   std::array<Status, kernels::placed_points> base_statuses_{};
   std::array<bool, kernels::placed_points + batch_size<T>> left_{};
   alignas(line) std::array<std::array<T, kernels::placed_points + batch_size<T>>, kernels::placed_rows> rows_;

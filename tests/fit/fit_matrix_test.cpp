@@ -1,6 +1,6 @@
-// Some eighty cells of the matrix of fits, tests/statistics/matrix.cpp, twelve data sets each, every third
-// under auto as well: what is stated holds in every one, up to chance of one in a million. All of the matrix:
-// tests/statistics/matrix.sh.
+// Some eighty cells of the matrix of fits (tests/statistics/matrix.cpp), half of them at a landing, twelve
+// data sets each, every third under auto as well: what is stated holds in every one, up to chance of one in a
+// million. All of the matrix: tests/statistics/matrix.sh.
 #include "fit_matrix.h"
 
 #include <algorithm>
