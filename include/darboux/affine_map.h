@@ -13,8 +13,8 @@
 namespace darboux {
 
 /// p -> A p + translation, det A ≠ 0, in the units of p: how Placed places a surface. Its numbers are
-/// lifted to the scalar S of what is mapped. Nothing is checked or thrown: of a singular A the unit vectors are zero
-/// or any, of numbers that are not finite NaN. Placed::refusal() finds both.
+/// lifted to the scalar S of what is mapped. Nothing is checked or thrown: of a singular A the unit vectors
+/// are zero or any, of numbers that are not finite NaN. Placed::refusal() finds both.
 template <class T = double>
 struct AffineMap {
   std::array<T, 9> A{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row by row
