@@ -130,6 +130,9 @@ struct MeshReport {
   ReferenceKind reference = ReferenceKind::none;
   std::size_t inward =
       0;  ///< corners whose normal and triangles oppose the surface's n; they are compared with -n
+  /// Where no normal can be compared with a surface or with neighbours: corners whose normal is no
+  /// average of their triangles' either. Only those more than 80 degrees from all of these are errors.
+  std::size_t uncompared_normals = 0;
   std::size_t faceted = 0;  ///< corners with their triangle's normal, although neighbours differ by more
   Handedness handedness;
   std::size_t zero_tangents = 0, non_unit = 0, non_orthogonal = 0, non_finite = 0;  ///< corners
