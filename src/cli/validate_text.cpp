@@ -102,6 +102,11 @@ void print_assessment(const AssessedPrimitive& assessed, std::size_t number, boo
     std::cout << '\n';
   }
   if (report.local && report.reference != ReferenceKind::local) print_local(*report.local);
+  if (report.uncompared_normals > 0)
+    std::cout << "    normals: at " << report.uncompared_normals << " of "
+              << counted(report.corners, "corner")
+              << " no average of their triangles', and nothing else is known of them; up to 80 deg off is no "
+                 "error\n";
   if (report.triangles && report.triangles->compared + report.triangles->open > 0) {
     const TrianglesReport& t = *report.triangles;
     std::cout << "    triangles: ";

@@ -161,6 +161,34 @@ TEST_F(MeshFiles, MorphTargetsAreNotJudged) {
   EXPECT_EQ(targets, 3u);
 }
 
+// A pass tells little of normals that there is nothing to compare with, and says so; not where the surface is
+// known, where they are averages, or where there are none that can be seen.
+TEST_F(MeshFiles, NormalsThatNothingIsKnownOfAreTold) {
+  const auto is_told = [&](const Mesh& mesh, const std::string& options = "") {
+    write_glb(path("mesh.glb"), mesh, "mesh");
+    const Result r = sh("darboux validate mesh.glb " + options);
+    return r.out.find("normals: at " + std::to_string(mesh.corners()) + " of ") != std::string::npos;
+  };
+  Mesh averages;
+  test::add_grid(averages, 6, 1, [](double u, double v) { return test::on_ring(1, u, 3 * v); });
+  averages = test::with_averaged_normals(averages);
+  test::bake(averages);
+  Mesh ring = averages, bare = averages, zero = averages;
+  for (Vec3<double>& n : ring.normals) n = unit(Vec3<double>{n.x, 3 * n.y, n.z + 0.5});
+  EXPECT_TRUE(is_told(ring));
+  EXPECT_TRUE(is_told(ring, "--reference triangles"));
+  EXPECT_TRUE(is_told(ring, "--reference mikktspace"));
+  EXPECT_FALSE(is_told(ring, "--surface cylinder:radius=1,height=3"));
+  EXPECT_FALSE(is_told(averages));
+  bare.normals.clear();
+  bare.tangents.clear();
+  EXPECT_FALSE(is_told(bare));
+  EXPECT_FALSE(is_told(bare, "--ignore NORMAL_MISSING"));
+  zero.normals.assign(zero.normals.size(), {0, 0, 0});
+  EXPECT_FALSE(is_told(zero));
+  EXPECT_FALSE(is_told(torus()));
+}
+
 // One code may have another remedy in another case: each is told, and how many corners the triangles leave
 // open.
 TEST_F(MeshFiles, RemediesAndOpenCornersAreTold) {
