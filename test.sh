@@ -9,7 +9,8 @@ cd "$(dirname "$0")"
 check() {
   cmake --preset "$1" -DDARBOUX_BUILD_TESTS=ON -DDARBOUX_THIS_MACHINE=ON
   cmake --build --preset "$1"
-  ctest --preset "$1" -j 2
+  local jobs=$(($(nproc) + 1))  # some tests wait: for signals, browsers, disks
+  ctest --preset "$1" -j $((jobs < 9 ? jobs : 9))
 }
 if [ "$*" = tidy ]; then
   .ci/install tidy

@@ -251,7 +251,7 @@ class Faults : public Cli {
       remove_outputs();
       const std::size_t step = std::max<std::size_t>(1, (there + most - 1) / most);
       points += there;
-      for (std::size_t k = 1; k <= there; k += step) {
+      for (std::size_t k = 1 + step / 2; k <= there; k += step) {
         SCOPED_TRACE(command.arguments[0] + " " + (command.arguments.size() > 1 ? command.arguments[1] : "") +
                      ", " + kind + " " + std::to_string(k) + " of " + std::to_string(there));
         if (over_old) put_old_outputs(command);
@@ -311,7 +311,7 @@ class Faults : public Cli {
 // DARBOUX_FAULTS=1000000: every one.
 std::size_t wanted() {
   const char* const text = std::getenv("DARBOUX_FAULTS");
-  return text ? static_cast<std::size_t>(std::atoi(text)) : 5;
+  return text ? static_cast<std::size_t>(std::atoi(text)) : 3;
 }
 
 TEST_F(Faults, Allocations) {

@@ -94,9 +94,10 @@ TEST(FitPointsStatistics, IntervalsOfFramesCover) {
   frames.check("t, b, n");
 }
 
-// At most 0.5 % undetermined, none wrong.
+// At most 0.5 % undetermined, none wrong. A landing's 20 sets show a share of 5 %: the whole statistics tell
+// more.
 TEST(FitPointsStatistics, TheKindIsFound) {
-  const std::size_t sets = 120 / thinning(3);
+  const std::size_t sets = 120 / thinning();
   double undetermined = 0;
   for (std::size_t seed = 0; seed < sets; ++seed) {
     const Outcome outcome = outcome_of("auto", seed, count);
@@ -132,8 +133,8 @@ TEST(FitPointsStatistics, PublicPoints) {
     // Without its name it is found, whatever the seed, but for the spindle torus of 15 points. A plane
     // through 9 of 27 points of a sphere and a paraboloid near 20 of 50 of a torus are none.
     const bool is_found = file.name != "TorusSelfIntersectSpindle_RANSAC";
-    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-      const PointFit unnamed = fit_points(points.cloud, {.seed = seed});
+    for (int seed = 1; seed <= 6 / thinning(3); ++seed) {
+      const PointFit unnamed = fit_points(points.cloud, {.seed = static_cast<std::uint64_t>(seed)});
       EXPECT_EQ(unnamed.usable, is_found) << file.name << ' ' << seed << ": " << unnamed.reason;
       if (is_found) {
         EXPECT_EQ(unnamed.candidates.front().name, file.kind) << file.name << ' ' << seed;

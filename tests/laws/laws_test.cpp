@@ -26,7 +26,7 @@
 namespace darboux::test::laws_test {
 namespace {
 
-const int parameter_sets = slow_build ? 2 : 20, points = std::max(200 / thinning(), 50);
+const int parameter_sets = slow_build ? 2 : thinning() > 1 ? 10 : 20, points = std::max(200 / thinning(), 50);
 
 using Names = std::set<std::pair<std::string, std::string>>;  // route, quantity
 
