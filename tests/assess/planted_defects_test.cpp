@@ -289,6 +289,10 @@ TEST(PlantedDefects, MessagesSayHowMuch) {
   mesh = good;
   mesh.normals[v] = 0.5 * good.normals[v];
   EXPECT_NE(message_of(mesh, "NORMAL_NOT_UNIT").find("(length 0.5)"), std::string::npos);
+  EXPECT_NE(message_of(mesh, "NORMAL_NOT_UNIT").find("to do: normalise"), std::string::npos);
+  mesh.normals[v + 1] = {};
+  EXPECT_NE(message_of(mesh, "NORMAL_NOT_UNIT").find("(lengths 0 to 0.5)"), std::string::npos);
+  EXPECT_NE(message_of(mesh, "NORMAL_NOT_UNIT").find("to do: recompute those of length 0"), std::string::npos);
   mesh = good;
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
     retangent(mesh, i, unit(good.tangents[i].xyz() + good.normals[i]));
