@@ -226,8 +226,10 @@ std::size_t different_off(const std::vector<Pair>& samples) {
 }
 
 // The linear map M of their span that takes the stored vectors to the reference's t, up to their length: the
-// least of sum |T x M t|² at |M| = 1. \returns what it does, where it explains nearly all
-std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, double limit, bool of_normals) {
+// least of sum |T x M t|² at |M| = 1. \returns what it does, where it explains nearly all \param least_ratio
+// of its scales, that of maps which do less
+std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, double limit, bool of_normals,
+                                         double least_ratio = 1) {
   const Eigen::MatrixXd span = span_of(samples);
   const Eigen::Index d = span.cols();
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3 * d, 3 * d);
@@ -262,7 +264,7 @@ std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, doubl
     within += angle_deg(s.t, from_eigen(Eigen::Vector3d(m * to_eigen(s.stored)))) <= limit + s.rounding;
   if (static_cast<double>(within) < explains_most * static_cast<double>(samples.size())) return std::nullopt;
   const Eigen::Vector3d singular = singular_value_decomposition(m).values, scale = singular / singular[d - 1];
-  if (!(scale[0] < 1e3)) return std::nullopt;
+  if (!(scale[0] < 1e3 && scale[0] >= least_ratio)) return std::nullopt;
   return text_of_map(m, d, of_normals);
 }
 
@@ -460,8 +462,8 @@ std::vector<Pair> normals_of_neighbours(const MeshUnderTest& under_test, double 
   return samples;
 }
 
-// Whether more than a fifth of the normals are averages of their own triangles': these follow the mesh.
-bool are_averages(const MeshUnderTest& under_test, const std::vector<Pair>& samples) {
+// The share of normals that are averages of their own triangles': these follow the mesh.
+double share_of_averages(const MeshUnderTest& under_test, const std::vector<Pair>& samples) {
   std::vector<bool> asked(under_test.mesh.positions.size(), false);
   for (const Pair& s : samples) asked[s.corner] = true;
   VertexJoins of_part;
@@ -469,7 +471,11 @@ bool are_averages(const MeshUnderTest& under_test, const std::vector<Pair>& samp
       are_average_normals(under_test.mesh, joins_of(under_test, of_part), asked);
   const auto averages =
       std::count_if(samples.begin(), samples.end(), [&](const Pair& s) { return average[s.corner]; });
-  return static_cast<double>(averages) > (1 - Accurate::enough) * static_cast<double>(samples.size());
+  return static_cast<double>(averages) / static_cast<double>(samples.size());
+}
+
+bool are_averages(const MeshUnderTest& under_test, const std::vector<Pair>& samples) {
+  return share_of_averages(under_test, samples) > 1 - Accurate::enough;
 }
 
 bool are_off(const std::vector<Pair>& samples) {
@@ -484,6 +490,42 @@ bool add_map(const MeshUnderTest& under_test, const std::vector<Pair>& samples, 
   if (!map && samples.size() >= least_normals) map = linear_map_of(samples, map_limit, true);
   if (map) add(report, finding(Code::normal_stale, under_test.mesh.corners(), *map));
   return map.has_value();
+}
+
+// How many of the angles by which normals are off differ by a degree and more, up to least_angles. Those of a
+// ring whose normals are blended into what adjoins it are one angle, or one per side, and any such is a map.
+constexpr std::size_t least_angles = 4;
+std::size_t different_angles(const std::vector<Pair>& samples) {
+  constexpr double same_deg = 1;
+  std::vector<double> different;
+  for (const Pair& s : samples) {
+    if (different.size() == least_angles) break;
+    const double off = angle_deg(s.stored, s.t);
+    if (std::none_of(different.begin(), different.end(),
+                     [&](double d) { return std::fabs(d - off) < same_deg; }))
+      different.push_back(off);
+  }
+  return different.size();
+}
+
+// On a coarse mesh exact normals, too, are far from averages. But then no map that scales much brings most of
+// them near.
+void add_map_of_coarse(const MeshUnderTest& under_test, const std::vector<Pair>& samples, double limit,
+                       MeshReport& report) {
+  // Those along the map's axes are right whatever it does: up to a third of a dozen.
+  constexpr double least_ratio = 1.5, most_right = 0.5;
+  if (different_off(samples) < least_different || different_angles(samples) < least_angles ||
+      share_within(samples, [](const Pair& s) { return s.t; }) > most_right ||
+      share_of_averages(under_test, samples) > most_right)
+    return;
+  const std::optional<std::string> map = linear_map_of(samples, limit, true, least_ratio);
+  if (!map) return;
+  Finding found = finding(Code::normal_stale, under_test.mesh.corners(),
+                          *map + "; told by averages of coarse triangles alone");
+  found.to_do =
+      "nothing, where the mesh is meant to be lit as another shape; else transform normals by the inverse "
+      "transpose of the map";
+  add(report, std::move(found));
 }
 
 std::size_t drawn_vertices(const MeshUnderTest& under_test) {
@@ -508,9 +550,14 @@ bool diagnose_unknown(const MeshUnderTest& under_test, const ValidateOptions& op
       add_map(under_test, neighbours, known_to * limit, report))
     return true;
   std::vector<Pair> averages = normals_of_averages(under_test, limit);
-  if (are_off(averages)) widen_by_turns(under_test, averages);
-  return are_off(averages) && !are_averages(under_test, averages) &&
-         add_map(under_test, averages, known_to * limit, report);
+  if (!are_off(averages)) return false;
+  std::vector<Pair> widened = averages;
+  widen_by_turns(under_test, widened);
+  if (are_off(widened) && !are_averages(under_test, widened) &&
+      add_map(under_test, widened, known_to * limit, report))
+    return true;
+  add_map_of_coarse(under_test, averages, limit, report);
+  return false;
 }
 
 }  // namespace

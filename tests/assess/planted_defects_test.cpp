@@ -18,6 +18,7 @@
 
 #include "append_mesh.h"
 #include "random.h"
+#include "random_meshes.h"
 #include "thinning.h"
 
 namespace darboux::planted_defects_test {
@@ -268,6 +269,39 @@ TEST(PlantedDefects, StaleAfterAScale) {
   EXPECT_EQ(joined(codes(assess_parts(mesh, options))), "");
 }
 
+// On coarse meshes the exact normals, too, differ from the averages of the triangles': only a map that scales
+// and explains nearly all is told.
+TEST(PlantedDefects, NormalsMappedAsPositionsAreToldOnCoarseMeshes) {
+  AssessOptions options;
+  options.references.analytic = false;  // what is unknown is not looked for each time
+  const auto is_told = [&](const Mesh& mesh) {
+    return codes(assess_parts(mesh, options)).contains("NORMAL_STALE");
+  };
+  for (const double scale : {2.0, 3.0})
+    for (const int rows : {1, 3}) {
+      Mesh as_positions;
+      test::add_grid(as_positions, 24, rows, [](double u, double v) { return test::on_ring(1, u, 2 * v); });
+      Mesh right = as_positions, stale = as_positions;
+      for (const Vec3<double>& p : right.positions) {
+        stale.normals.push_back({p.x, p.y, 0});
+        right.normals.push_back(unit(Vec3<double>{p.x, p.y / scale, 0}));
+        as_positions.normals.push_back(unit(Vec3<double>{p.x, scale * p.y, 0}));
+      }
+      for (Mesh* mesh : {&as_positions, &right, &stale})
+        for (Vec3<double>& p : mesh->positions) p.y *= scale;
+      SCOPED_TRACE(std::to_string(rows) + " rows, " + std::to_string(scale));
+      EXPECT_FALSE(is_told(right));
+      EXPECT_TRUE(is_told(as_positions));
+      EXPECT_TRUE(is_told(stale));
+    }
+  // A band, whose normals are blended into what adjoins it: all by the same angle.
+  Mesh band;
+  test::add_grid(band, 24, 1, [](double u, double v) { return test::on_ring(1 + v, u, v); });
+  for (const Vec3<double>& p : band.positions)
+    band.normals.push_back(unit(Vec3<double>{p.x, p.y, -1.7 * std::hypot(p.x, p.y)}));
+  EXPECT_FALSE(is_told(band));
+}
+
 std::string message_of(const Mesh& mesh, std::string_view code) {
   AssessOptions options;
   options.references.analytic = false;
@@ -292,7 +326,8 @@ TEST(PlantedDefects, MessagesSayHowMuch) {
   EXPECT_NE(message_of(mesh, "NORMAL_NOT_UNIT").find("to do: normalise"), std::string::npos);
   mesh.normals[v + 1] = {};
   EXPECT_NE(message_of(mesh, "NORMAL_NOT_UNIT").find("(lengths 0 to 0.5)"), std::string::npos);
-  EXPECT_NE(message_of(mesh, "NORMAL_NOT_UNIT").find("to do: recompute those of length 0"), std::string::npos);
+  EXPECT_NE(message_of(mesh, "NORMAL_NOT_UNIT").find("to do: recompute those of length 0"),
+            std::string::npos);
   mesh = good;
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)
     retangent(mesh, i, unit(good.tangents[i].xyz() + good.normals[i]));
