@@ -179,7 +179,9 @@ void add_errors(const CornerCounts& counts, const Answers& answers, const Judge&
       found.to_do = "negate the normals";
     }
     if (code == Code::normal_not_unit && counts.normal_lengths.hold_zero())
-      found.to_do = "recompute those of length 0; normalise the others before writing";
+      found.to_do = counts.normal_lengths.are_zero()
+                        ? "recompute them"
+                        : "recompute those of length 0; normalise the others before writing";
     if (code == Code::tangent_not_orthogonal &&
         static_cast<double>(counts.in_plane) >= explains_most * static_cast<double>(counts.of_error[k])) {
       found.message +=

@@ -27,6 +27,7 @@ class Lengths {
   // " (lengths 0.5 to 2)"
   std::string text() const;
   bool hold_zero() const { return least_ == 0; }
+  bool are_zero() const { return most_ == 0; }
 
  private:
   double least_ = std::numeric_limits<double>::infinity(), most_ = 0;

@@ -31,7 +31,8 @@ bool diagnose_tangents(const MeshUnderTest& under_test,
 // What explains nearly all normals that differ from the surface's: they are negated, or those from before a
 // linear map (adds NORMAL_STALE).
 enum class NormalMistake : std::uint8_t { none, negated, mapped };
-// Where no surface is known, a map is found by the planes of facets, else by the neighbours.
+// Where no surface is known, a map is found by the planes of facets, else by the neighbours, else by averages
+// of triangles. One that averages of coarse triangles tell is added, too, but is none to decide by.
 NormalMistake diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
                                const ValidateOptions& options, MeshReport& report);
 
