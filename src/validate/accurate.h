@@ -51,7 +51,7 @@ class Accurate {
   double tangents_agree() const { return tangents_agree_; }
   // Whether angles beyond the limit are errors. \param diagnosed whether one named mistake explains them
   bool decides(double agree, bool diagnosed) const { return declared() || diagnosed || agree >= enough; }
-  static constexpr double enough = 0.8;  // if fewer agree, diagnose.h looks for one mistake
+  static constexpr double enough = 0.8;  // if fewer agree, diagnose_normals.h looks for one mistake
 
  private:
   void find_sides(const Mesh& mesh, std::span<const signed char> side,

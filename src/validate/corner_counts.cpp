@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "base/text.h"
+#include "linear_maps.h"
 
 namespace darboux {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "answers.h"
-#include "diagnose.h"
+#include "diagnose_normals.h"
 #include "findings.h"
 
 namespace darboux {

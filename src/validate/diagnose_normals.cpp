@@ -1,18 +1,14 @@
-#include "diagnose.h"
+#include "diagnose_normals.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
-#include <Eigen/LU>
-
 #include <darboux/frame.h>
 
-#include "base/degrees.h"
-#include "base/linear_algebra.h"
-#include "base/text.h"
 #include "findings.h"
+#include "linear_maps.h"
 #include "mesh/area_vector.h"
 #include "mesh/frames/corner.h"
 #include "mesh/frames/creases.h"
@@ -22,272 +18,11 @@
 namespace darboux {
 namespace {
 
-constexpr std::size_t most_samples = 4096, least_samples = 10;
+using namespace diagnosis;
+
 // Linearly mapped normals have no discretisation error, but eight unknowns would fit any small set of
 // normals.
 constexpr std::size_t least_normals = 50;
-
-struct Pair {
-  std::size_t corner;            // or, for normals, vertex
-  Vec3<double> stored, t, b, v;  // unit; b perpendicular to t, on the side of v
-  double w, raw;                 // raw: of the triangle, 0 without uv area
-  double limit;                  // degrees
-  double rounding = 0;           // degrees by which rounding may have turned the reference
-  bool within(double deg) const { return deg <= limit + rounding; }
-};
-
-double angle_deg(const Vec3<double>& a, const Vec3<double>& b) {
-  return degrees_per_radian * angle_between(a, b);
-}
-
-std::vector<Pair> samples_of(const MeshUnderTest& under_test,
-                             const std::function<Directions(std::size_t)>& reference, double max_angle_deg) {
-  const Mesh& mesh = under_test.mesh;
-  const std::size_t step = (mesh.corners() + most_samples - 1) / most_samples;
-  std::vector<Pair> samples;
-  for (std::size_t c = 0; c < mesh.corners(); c += step) {
-    const std::uint32_t v = mesh.triangles[c / 3][c % 3];
-    const Vec4<double>& t = mesh.tangents[v];
-    const Directions d = reference(c);
-    if (!detail::finite(t.xyz()) || t.xyz() == Vec3<double>{} || !detail::finite(d.t) ||
-        !detail::finite(d.b) || under_test.classes.of_vertex[v] == VertexClass::pole)
-      continue;
-    const Vec3<double> along = unit(d.t), across = unit(d.b - dot(d.b, along) * along);
-    samples.push_back({c, unit(t.xyz()), along, across, unit(d.b), t.w,
-                       static_cast<double>(under_test.raw_sign[c / 3]),
-                       limit_of(under_test.classes.of_vertex[v], max_angle_deg)});
-  }
-  return samples;
-}
-
-// The share of samples that are within their limits of the direction.
-template <class F>
-double share_within(const std::vector<Pair>& samples, F direction) {
-  std::size_t within = 0;
-  for (const Pair& s : samples) within += s.within(angle_deg(s.stored, direction(s)));
-  return static_cast<double>(within) / static_cast<double>(samples.size());
-}
-
-// How the stored tangent lies relative to the reference's t and b, and which uvs would make it right: with
-// `keeps` their triangles have the sign of the stored uvs' triangles, with `turns` the opposite one.
-struct Axes {
-  std::string_view what;
-  double t, b;
-  std::string_view keeps, turns;
-};
-constexpr Axes other_axes[] = {{"-t", -1, 0, "flip both", "flip u"},
-                               {"b", 0, 1, "swap flip u", "swap"},
-                               {"-b", 0, -1, "swap flip v", "swap flip both"}};
-
-// Three directions count as along v: the one perpendicular to t, if tangents were turned or bitangents stored
-// in their place; the reference's own direction of v, if u and v were swapped; and MikkTSpace's tangent of
-// swapped uvs, for coarse meshes.
-bool follow_other_axes(const MeshUnderTest& under_test, const std::vector<Pair>& samples,
-                       const ValidateOptions& options, MeshReport& report) {
-  const Mesh& mesh = under_test.mesh;
-  const std::size_t corners = mesh.corners();
-  std::optional<MikktspaceReference> swapped;
-  const auto along_v = [&](const Pair& s) {
-    return direction_of(swapped->at(s.corner, mesh.triangles[s.corner / 3][s.corner % 3]));
-  };
-  for (const Axes& axes : other_axes) {
-    double share = share_within(samples, [&](const Pair& s) { return axes.t * s.t + axes.b * s.b; });
-    if (share < explains_most && axes.b != 0)
-      share = share_within(samples, [&](const Pair& s) { return axes.b * s.v; });
-    if (share < explains_most && axes.b != 0 && !mesh.normals.empty() && !mesh.uvs.empty()) {
-      if (!swapped) {
-        std::vector<Vec2<double>> uvs;
-        for (const Vec2<double>& uv : mesh.uvs) uvs.push_back({uv.y, uv.x});
-        swapped = mikktspace_reference(mesh, uvs, options.threads);
-      }
-      share = share_within(samples, [&](const Pair& s) { return axes.b * along_v(s); });
-    }
-    if (share < explains_most) continue;
-    double raw = 0;
-    for (const Pair& s : samples) raw += s.w * s.raw;
-    const std::string_view gltf_uvs = raw > 0 ? axes.turns : axes.keeps,
-                           raw_uvs = raw > 0 ? axes.keeps : axes.turns;
-    add(report, finding(Code::tangent_axes, corners,
-                        ": they lie along " + std::string(axes.what) +
-                            " (t of u, b of v), as those of uvs '" + std::string(gltf_uvs) +
-                            "' with glTF's sign, or '" + std::string(raw_uvs) + "' with the raw one"));
-    return true;
-  }
-  return false;
-}
-
-bool follow_other_uv_set(const MeshUnderTest& under_test, const std::vector<Pair>& samples,
-                         const ValidateOptions& options, MeshReport& report) {
-  if (under_test.mesh.normals.empty()) return false;
-  const auto share_of = [&](const MikktspaceReference& mikktspace) {
-    return share_within(samples, [&](const Pair& s) {
-      return direction_of(mikktspace.at(s.corner, under_test.mesh.triangles[s.corner / 3][s.corner % 3]));
-    });
-  };
-  // The other set may be a copy of the mesh's own.
-  const double own = under_test.mikktspace.empty() ? 0 : share_of(under_test.mikktspace);
-  for (const auto& [set, uvs] : options.other_uvs) {
-    const double share = share_of(mikktspace_reference(under_test.mesh, uvs, options.threads));
-    if (share < explains_most || share <= own) continue;
-    add(report, finding(Code::tangent_uv_set, under_test.mesh.corners(),
-                        ": MikkTSpace's of TEXCOORD_" + std::to_string(set)));
-    return true;
-  }
-  return false;
-}
-
-// The one angle, in degrees, by which nearly all tangents are turned from the reference about their normals.
-std::optional<double> turn_deg_of(const Mesh& mesh, const std::vector<Pair>& samples, double limit) {
-  if (mesh.normals.empty() || samples.size() < least_samples) return std::nullopt;
-  double x = 0, y = 0;
-  const auto normal = [&](const Pair& s) { return mesh.normals[mesh.triangles[s.corner / 3][s.corner % 3]]; };
-  for (const Pair& s : samples) {
-    const Vec3<double> n = normal(s);
-    if (!detail::finite(n) || n == Vec3<double>{}) continue;
-    const double along = dot(s.stored, s.t), across = dot(s.stored, cross(unit(n), s.t));
-    x += along, y += across;
-  }
-  const double turn = std::atan2(y, x), cosine = std::cos(turn), sine = std::sin(turn);
-  if (std::fabs(turn) * 180 / std::numbers::pi < 3 * limit) return std::nullopt;
-  const double share =
-      share_within(samples, [&](const Pair& s) { return cosine * s.t + sine * cross(unit(normal(s)), s.t); });
-  if (share < explains_most) return std::nullopt;
-  return turn * 180 / std::numbers::pi;
-}
-
-// Whether all are turned by one angle about their normals, relative to the reference or as Cones found.
-bool are_turned(const MeshUnderTest& under_test, const std::vector<Pair>& samples, double limit,
-                MeshReport& report) {
-  std::optional<Cones::Turn> turn;
-  if (const auto deg = turn_deg_of(under_test.mesh, samples, limit))
-    turn = {*deg, false};
-  else
-    turn = under_test.cones.turn();
-  if (!turn) return false;
-  const bool quarters = std::fabs(std::remainder(turn->deg, 90)) <= limit;
-  // Turned uvs turn the tangents of mirrored charts the other way.
-  const auto has = [&](signed char sign) {
-    return std::find(under_test.raw_sign.begin(), under_test.raw_sign.end(), sign) !=
-           under_test.raw_sign.end();
-  };
-  const bool both = has(-1) && has(1);
-  const double signed_deg = turn->by_sign && both ? std::fabs(turn->deg) : turn->deg;
-  const std::string deg = std::to_string(std::lround(signed_deg));
-  add(report, finding(quarters ? Code::tangent_axes : Code::tangent_uv_set, under_test.mesh.corners(),
-                      ": all are turned about their normals by about " + deg + " deg" +
-                          (turn->by_sign && both ? ", in mirrored charts the other way" : "") +
-                          (turn->by_sign || !both ? ", as those of uvs that are turned" : "")));
-  return true;
-}
-
-// Unit vectors that span the stored ones, a column each: two where these lie in one plane, as the normals of
-// a cylinder do.
-Eigen::MatrixXd span_of(const std::vector<Pair>& samples) {
-  constexpr double flat = 1e-6;
-  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-  for (const Pair& s : samples) moments += to_eigen(s.stored) * to_eigen(s.stored).transpose();
-  const auto [values, vectors] = symmetric_eigen(moments);
-  if (values[0] > flat * values.sum()) return Eigen::Matrix3d::Identity();
-  return vectors.rightCols<2>();
-}
-
-// A description of a map's effect on positions. \param of_normals m maps normals, by the inverse transpose
-std::string text_of_map(const Eigen::Matrix3d& m, Eigen::Index dimensions, bool of_normals) {
-  const Eigen::Vector3d singular = singular_value_decomposition(m).values,
-                        scale = singular / singular[dimensions - 1];
-  const std::string mirrors = dimensions == 3 && m.determinant() < 0 ? " and mirrors" : "";
-  if (scale[0] < 1.01) return ": by a map that turns" + mirrors;
-  constexpr double along_axes = 0.01;
-  Eigen::Array3d diagonal = m.diagonal().array().abs();
-  if (dimensions == 3 &&
-      (m - Eigen::Matrix3d(m.diagonal().asDiagonal())).norm() < along_axes * diagonal.minCoeff()) {
-    if (of_normals) diagonal = diagonal.inverse();
-    diagonal /= diagonal.minCoeff();
-    return ": by a map that scales x : y : z as " + rounded(diagonal[0], 3) + " : " +
-           rounded(diagonal[1], 3) + " : " + rounded(diagonal[2], 3) + mirrors;
-  }
-  return ": by a map that scales as " + rounded(scale[0], 3) +
-         (dimensions == 3 ? " : " + rounded(scale[1], 3) : "") + " : 1" + mirrors;
-}
-
-// How many stored vectors beyond the limit differ by a degree and more, up to least_different.
-constexpr std::size_t least_different = 8;
-std::size_t different_off(const std::vector<Pair>& samples) {
-  constexpr double same_deg = 1;
-  std::vector<Vec3<double>> different;
-  for (const Pair& s : samples) {
-    if (different.size() == least_different) break;
-    if (!s.within(angle_deg(s.stored, s.t)) &&
-        std::none_of(different.begin(), different.end(),
-                     [&](const Vec3<double>& d) { return angle_deg(d, s.stored) < same_deg; }))
-      different.push_back(s.stored);
-  }
-  return different.size();
-}
-
-// The linear map M of their span that takes the stored vectors to the reference's t, up to their length: the
-// least of sum |T x M t|² at |M| = 1. \param least_ratio maps that scale by less are not told \returns what
-// it does, where it explains nearly all
-std::optional<std::string> linear_map_of(const std::vector<Pair>& samples, double limit, bool of_normals,
-                                         double least_ratio = 1) {
-  const Eigen::MatrixXd span = span_of(samples);
-  const Eigen::Index d = span.cols();
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3 * d, 3 * d);
-  for (const Pair& s : samples) {
-    const Eigen::VectorXd t = span.transpose() * to_eigen(s.stored);
-    const Eigen::Vector3d to = to_eigen(s.t);
-    Eigen::Matrix3d across;
-    across << 0, -to.z(), to.y(), to.z(), 0, -to.x(), -to.y(), to.x(), 0;
-    Eigen::MatrixXd by(3, 3 * d);  // of M's columns
-    for (Eigen::Index k = 0; k < d; ++k) by.middleCols<3>(3 * k) = t[k] * across;
-    sum += by.transpose() * by / static_cast<double>(samples.size());
-  }
-  const auto [least, maps] = symmetric_eigen(sum);
-  // Collinear vectors do not determine M, nor do coplanar references. Where many different normals are off,
-  // as those of roofs whose ridges are parallel, it is the one nearest to the identity.
-  constexpr double identifiable = 1e-3;
-  Eigen::VectorXd column = maps.col(0);
-  if (!(least[1] > identifiable)) {
-    if (!of_normals || different_off(samples) < least_different) return std::nullopt;
-    const Eigen::VectorXd identity = span.reshaped();
-    column.setZero();
-    for (Eigen::Index k = 0; k < least.size() && least[k] <= identifiable; ++k)
-      column += maps.col(k).dot(identity) * maps.col(k);
-    column.normalize();
-  }
-  Eigen::Matrix3d m = Eigen::Map<const Eigen::MatrixXd>(column.data(), 3, d) * span.transpose();
-  double along = 0;
-  for (const Pair& s : samples) along += to_eigen(s.t).dot(m * to_eigen(s.stored));
-  if (along < 0) m = -m;
-  std::size_t within = 0;
-  for (const Pair& s : samples)
-    within += angle_deg(s.t, from_eigen(Eigen::Vector3d(m * to_eigen(s.stored)))) <= limit + s.rounding;
-  if (static_cast<double>(within) < explains_most * static_cast<double>(samples.size())) return std::nullopt;
-  const Eigen::Vector3d singular = singular_value_decomposition(m).values, scale = singular / singular[d - 1];
-  if (!(scale[0] < 1e3 && scale[0] >= least_ratio)) return std::nullopt;
-  return text_of_map(m, d, of_normals);
-}
-
-// The rotation that takes the stored vectors nearest to the reference's, if it explains nearly all and they
-// span space. [Kabsch1976]
-std::optional<std::string> rotation_of(const std::vector<Pair>& samples) {
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero(), moments = Eigen::Matrix3d::Zero();
-  for (const Pair& s : samples) {
-    sum += to_eigen(s.t) * to_eigen(s.stored).transpose();
-    moments += to_eigen(s.stored) * to_eigen(s.stored).transpose();
-  }
-  constexpr double spans = 0.05;
-  if (!(symmetric_eigen(moments).values[0] > spans * static_cast<double>(samples.size())))
-    return std::nullopt;
-  const auto [u, values, v] = singular_value_decomposition(sum);
-  const Eigen::Matrix3d r = u * v.transpose();
-  if (r.determinant() < 0) return std::nullopt;
-  const double share =
-      share_within(samples, [&](const Pair& s) { return from_eigen(r.transpose() * to_eigen(s.t)); });
-  if (share < explains_most) return std::nullopt;
-  return ": by a map that turns";
-}
-
 constexpr double known_plane_deg = 30;  // planes that rounding may have turned further tell nothing
 
 // Unit normals of the triangles, oriented like the stored normals.
@@ -560,23 +295,6 @@ bool diagnose_unknown(const MeshUnderTest& under_test, const ValidateOptions& op
 }
 
 }  // namespace
-
-bool diagnose_tangents(const MeshUnderTest& under_test,
-                       const std::function<Directions(std::size_t)>& reference,
-                       const ValidateOptions& options, bool held, MeshReport& report) {
-  const double limit = options.max_angle_deg;
-  const std::size_t corners = under_test.mesh.corners();
-  const std::vector<Pair> samples = samples_of(under_test, reference, limit);
-  if (samples.size() < least_samples) return !held && are_turned(under_test, samples, limit, report);
-  if (share_within(samples, [](const Pair& s) { return s.t; }) >= Accurate::enough) return false;
-  if (follow_other_uv_set(under_test, samples, options, report)) return true;
-  if (held) return false;
-  if (follow_other_axes(under_test, samples, options, report)) return true;
-  if (are_turned(under_test, samples, limit, report)) return true;
-  const std::optional<std::string> map = linear_map_of(samples, limit, false);
-  if (map) add(report, finding(Code::tangent_stale, corners, *map));
-  return map.has_value();
-}
 
 NormalMistake diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
                                const ValidateOptions& options, MeshReport& report) {

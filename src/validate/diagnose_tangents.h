@@ -1,16 +1,12 @@
-// Diagnoses normals and tangents of which many are wrong: which single mistake explains them all?
+// Diagnoses tangents of which many are wrong: which single mistake explains them all?
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <functional>
 
-#include "accurate.h"
 #include "mesh_under_test.h"
 
 namespace darboux {
-
-// The share of corners that a cause must explain to be named.
-inline constexpr double explains_most = 0.9;
 
 // The directions of u and v that a reference gives a corner; NaN where it gives none.
 struct Directions {
@@ -27,13 +23,5 @@ struct Directions {
 bool diagnose_tangents(const MeshUnderTest& under_test,
                        const std::function<Directions(std::size_t corner)>& reference,
                        const ValidateOptions& options, bool held, MeshReport& report);
-
-// What explains nearly all normals that differ from the surface's: they are negated, or those from before a
-// linear map (adds NORMAL_STALE).
-enum class NormalMistake : std::uint8_t { none, negated, mapped };
-// Where no surface is known, a map is found by the planes of facets, else by the neighbours, else by averages
-// of triangles. One that averages of coarse triangles tell is added, too, but is none to decide by.
-NormalMistake diagnose_normals(const MeshUnderTest& under_test, const Accurate& accurate,
-                               const ValidateOptions& options, MeshReport& report);
 
 }  // namespace darboux
